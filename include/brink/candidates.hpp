@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+
+#include "brink/frame.hpp"
+#include "brink/ground.hpp"
+
+namespace brink {
+
+/// The paper's two ways in which a negative obstacle shows.
+enum class CandidateType : std::uint8_t {
+  below_ground,  ///< Type 1: disparities that lie below the ground next to them
+  no_disparity,  ///< Type 2: black and uniform, nothing can be matched
+};
+std::string to_string(CandidateType type);
+
+struct CandidateParams {
+  double ground_tolerance_m = 0.10;    ///< T_g: a pixel nearer to the ground than this is a ground pixel
+  double min_depth_m = 0.15;           ///< T_e1: Type 1 lies at least this far below the ground
+  int below_ground_min_area_px = 150;  ///< T_a1: area must be greater
+  int no_disparity_min_area_px = 150;  ///< T_a2: area must be greater
+  int min_touching_px = 5;             ///< pixels of the other kind in the 1-px ring that count as touching
+  double black_level = 20.0;           ///< Type 2: mean colour, maximum of B, G, R (or mean grey), at most this
+  double max_range_m = 8.0;            ///< candidates are looked for up to this distance in the ground plane
+  int min_listed_area_px = 30;         ///< smaller regions are specks: not even listed as rejected
+  void validate() const;               ///< @throws std::invalid_argument "candidates.name = value, must be ..."
+};
+
+/// The rule that a region failed, with its value and its limit. All in the unit that the rule's parameter has.
+struct Rejection {
+  std::string rule;  ///< "area", "touches_ground", "touches_valid", "black", "range", "contour"
+  double value = 0.0;
+  double limit = 0.0;
+};
+
+/// A region that may be a negative obstacle. Points in the left camera frame, m.
+struct Candidate {
+  CandidateType type = CandidateType::below_ground;
+  int area_px = 0;                                        ///< pixels of the region (Type 2: before dilation)
+  std::vector<cv::Point> contour;                         ///< outer contour (Type 2: of the dilated region), closed, px
+  std::vector<Eigen::Vector3d> contour_3d;                ///< those contour points that have a disparity
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();     ///< mean of contour_3d
+  Eigen::Vector3d nearest = Eigen::Vector3d::Zero();      ///< point of contour_3d nearest to the camera (the paper's output)
+  Eigen::Vector3d rim_nearest = Eigen::Vector3d::Zero();  ///< nearest point of the edge on the ground's side
+  double distance_m = 0.0;                                ///< of rim_nearest, in the ground plane
+  double bearing_deg = 0.0;                               ///< of rim_nearest, positive right
+  std::optional<double> depth_m;                          ///< below the ground, > 0; empty for Type 2: its bottom is not seen
+  double width_m = 0.0;                ///< extent of the opening across the line of sight, in the ground plane
+  cv::Scalar mean_color;               ///< B, G, R of the left picture (grey pictures: three times grey)
+  std::optional<Rejection> rejection;  ///< empty = candidate; the first rule that failed otherwise
+};
+
+/// Section III.C.3, Type 1: 8-connected regions of valid pixels with elevation <= -min_depth_m.
+/// @param elevation from compute_elevation, m, NaN = none. @param disparity px. Both of the size of frame.left.
+/// @return accepted and rejected regions, in the order of their first pixel row by row; empty when there is none.
+/// @throws std::invalid_argument when sizes differ or parameters are not valid.
+std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
+                                           const GroundPlane& ground, const CandidateParams& params = {});
+
+/// Section III.C.3, Type 2: 8-connected regions of invalid pixels below the ground's horizon and within range, black.
+/// Arguments, order and errors as for select_below_ground.
+std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
+                                           const GroundPlane& ground, const CandidateParams& params = {});
+
+}  // namespace brink

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "brink/candidates.hpp"
+#include "brink/disparity.hpp"
+#include "brink/frame.hpp"
+#include "brink/ground.hpp"
+
+namespace brink {
+
+/// Every parameter of the whole of section III.C.
+struct DetectorParams {
+  DisparityParams disparity;
+  GroundParams ground;
+  CandidateParams candidates;
+  double report_range_m = 5.0;  ///< obstacles are reported up to this distance of their rim in the ground plane
+  bool stills = false;          ///< the frames are unrelated: every candidate in range is an obstacle at once, track_length 1
+
+  static DetectorParams brink();  ///< whatever measures best: the defaults
+  static DetectorParams paper();  ///< the paper's rules to the letter
+  void validate() const;          ///< of all parts @throws std::invalid_argument
+};
+
+enum class FrameStatus : std::uint8_t {
+  ok,
+  no_picture,  ///< a picture is missing
+  bad_frame,   ///< it is there but cannot be processed
+};
+std::string to_string(FrameStatus status);
+
+/// A negative obstacle that is reported, or a track on its way to become one.
+struct NegativeObstacle {
+  int id = 0;  ///< unique in its run; for stills unique in its frame
+  Candidate candidate;
+  int track_length = 1;  ///< sightings in a row
+};
+
+/// Wall-clock time of each stage, ms.
+struct StageTimes {
+  double disparity = 0.0;
+  double ground = 0.0;  ///< with the elevation image
+  double below_ground = 0.0;
+  double no_disparity = 0.0;
+  double total = 0.0;
+};
+
+/// What one frame told, with every intermediate, so that overlays, evaluation and benchmarks need no second pipeline.
+struct Detection {
+  int frame = 0;
+  double time = 0.0;  ///< s
+  FrameStatus status = FrameStatus::ok;
+  std::string reason;  ///< why status is not ok
+
+  cv::Mat1f disparity;  ///< px, kInvalidDisparity = none; empty when status is not ok
+  GroundEstimate ground;
+  cv::Mat1f elevation;                      ///< m, NaN = none; empty when the ground is not visible
+  std::vector<Candidate> candidates;        ///< passed every rule
+  std::vector<Candidate> rejected;          ///< failed one, each with its rejection
+  std::vector<NegativeObstacle> obstacles;  ///< validated and within report_range_m
+  std::vector<NegativeObstacle> tracks;     ///< seen but not validated, or farther
+  StageTimes times;
+};
+
+/// The whole of section III.C. Keeps scratch memory and what one frame hands to the next.
+class Detector {
+ public:
+  /// @throws std::invalid_argument when the parameters are not valid.
+  explicit Detector(const DetectorParams& params = {});
+
+  /// Frame in, detection out.
+  /// @return status ok, with ground.state told; no candidates when the ground is not visible.
+  /// @throws std::invalid_argument when the frame is not one that make_frame would return.
+  [[nodiscard]] Detection process(const Frame& frame);
+
+ private:
+  DetectorParams params_;
+  std::unique_ptr<StereoMatcher> matcher_;
+};
+
+/// The answer for a frame that could not be read or processed. @param status not ok.
+Detection make_failed_detection(int frame, double time, FrameStatus status, const std::string& reason);
+
+}  // namespace brink

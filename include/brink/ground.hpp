@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+
+#include "brink/camera.hpp"
+
+namespace brink {
+
+/// A plane in disparity space (section III.C.2, with roll): d(u, v) = a u + b v + c, px.
+struct GroundPlane {
+  double a = 0.0;
+  double b = 0.0;
+  double c = 0.0;
+  /// Disparity of the ground at a pixel, px; <= 0 at and above the horizon.
+  [[nodiscard]] double disparity(double u, double v) const { return a * u + b * v + c; }
+};
+
+/// The same plane in metres: where the camera stands over the ground. Everything in the left camera frame.
+struct GroundPose {
+  double height_m = 0.0;                               ///< of the camera over the ground, along the ground's normal
+  double pitch_deg = 0.0;                              ///< positive = looking down
+  double roll_deg = 0.0;                               ///< positive = head tilted to the right
+  Eigen::Vector3d down = Eigen::Vector3d::UnitY();     ///< ground normal, pointing into the ground
+  Eigen::Vector3d forward = Eigen::Vector3d::UnitZ();  ///< optical axis laid onto the ground
+  Eigen::Vector3d right = Eigen::Vector3d::UnitX();    ///< completes (right, down, forward)
+
+  /// Height of a point over the ground, m, up positive.
+  [[nodiscard]] double elevation(const Eigen::Vector3d& point) const;
+  /// Distance in the ground plane from the foot of the camera's perpendicular, m.
+  [[nodiscard]] double distance(const Eigen::Vector3d& point) const;
+  /// Angle in the ground plane from `forward`, degrees, positive right.
+  [[nodiscard]] double bearing_deg(const Eigen::Vector3d& point) const;
+  /// Where the ray through a pixel meets the ground; empty at and above the horizon.
+  [[nodiscard]] std::optional<Eigen::Vector3d> intersect(double u, double v, const StereoCamera& camera) const;
+};
+
+/// Plane to pose. @throws std::invalid_argument when the plane is not finite or a = b = c = 0.
+GroundPose compute_ground_pose(const GroundPlane& plane, const StereoCamera& camera);
+/// Pose to plane, from height, pitch and roll. @throws std::invalid_argument unless height_m > 0.
+GroundPlane make_ground_plane(double height_m, double pitch_deg, double roll_deg, const StereoCamera& camera);
+
+/// What is known of the ground: told for every frame, because silence must never be a failure in disguise.
+enum class GroundState : std::uint8_t { seen, uncertain, not_visible };
+std::string to_string(GroundState state);
+
+struct GroundParams {
+  double min_height_m = 0.3;  ///< of the camera over the ground
+  double max_height_m = 2.5;
+  double min_pitch_deg = -10.0;
+  double max_pitch_deg = 60.0;
+  double max_roll_deg = 25.0;
+  double gravity_tolerance_deg = 10.0;  ///< slope of the ground against gravity, where gravity is known
+  double max_range_m = 8.0;             ///< ground farther away than this takes no part
+  double tolerance_m = 0.03;            ///< roughness of the ground: half width of the band counted as ground
+  double tolerance_px = 0.75;           ///< noise of disparities: the band is never narrower than this
+  int ransac_iterations = 400;          ///< line hypotheses per roll angle
+  int seed = 1;                         ///< of the random line hypotheses
+  double seen_confidence = 0.5;         ///< confidence from which the ground counts as seen
+  double uncertain_confidence = 0.25;   ///< confidence from which it counts as uncertain; not visible below
+  void validate() const;                ///< @throws std::invalid_argument "ground.name = value, must be ..."
+};
+
+/// Result of estimate_ground, with its evidence.
+struct GroundEstimate {
+  GroundState state = GroundState::not_visible;
+  std::string reason;                ///< why the state is not `seen`; empty when it is
+  double confidence = 0.0;           ///< 0..1, docs/algorithm.md
+  std::optional<GroundPlane> plane;  ///< empty when and only when state is not_visible
+  GroundPose pose;                   ///< of plane; without meaning when plane is empty
+  double inlier_ratio = 0.0;         ///< share of the valid pixels below the horizon and in range that lie on the ground
+  double residual_px = 0.0;          ///< robust standard deviation of the disparities on the ground
+};
+
+/// Section III.C.2: the ground as the dominant line of the v-disparity histogram, the histogram being sheared to allow for
+/// roll, refined to a plane by iteratively reweighted least squares (algorithms.md C.2).
+/// @param disparity px, kInvalidDisparity where there is none.
+/// @param gravity direction of gravity in the left camera frame, if known: narrows the search.
+/// @param previous the ground of the last frame moved into this one, if known: one more hypothesis, which has to win like all
+///        others, so that a wrong one cannot stick.
+/// @return state not_visible when no plausible plane explains the lower picture; also for an empty or tiny picture.
+/// @throws std::invalid_argument when camera or parameters are not valid, or gravity is not a finite non-zero vector.
+GroundEstimate estimate_ground(const cv::Mat1f& disparity, const StereoCamera& camera, const GroundParams& params = {},
+                               const std::optional<Eigen::Vector3d>& gravity = std::nullopt,
+                               const std::optional<GroundPlane>& previous = std::nullopt);
+
+/// Height of every valid pixel over the ground, m, along the ground's normal, up positive; NaN where the disparity is invalid
+/// or 0.
+cv::Mat1f compute_elevation(const cv::Mat1f& disparity, const GroundPlane& ground, const StereoCamera& camera);
+
+}  // namespace brink
