@@ -49,16 +49,16 @@ enum class GroundState : std::uint8_t { seen, uncertain, not_visible };
 std::string to_string(GroundState state);
 
 struct GroundParams {
-  double min_height_m = 0.3;  ///< of the camera over the ground
-  double max_height_m = 2.5;
-  double min_pitch_deg = -10.0;
-  double max_pitch_deg = 60.0;
-  double max_roll_deg = 25.0;
+  double min_height_m = 0.3;            ///< of the camera over the ground
+  double max_height_m = 2.5;            ///< of the camera over the ground
+  double min_pitch_deg = -10.0;         ///< looking up
+  double max_pitch_deg = 60.0;          ///< looking down
+  double max_roll_deg = 25.0;           ///< to either side
   double gravity_tolerance_deg = 10.0;  ///< slope of the ground against gravity, where gravity is known
   double max_range_m = 8.0;             ///< ground farther away than this takes no part
-  double tolerance_m = 0.03;            ///< roughness of the ground: half width of the band counted as ground
-  double tolerance_px = 0.75;           ///< noise of disparities: the band is never narrower than this
-  int ransac_iterations = 400;          ///< line hypotheses per roll angle
+  double tolerance_ratio = 0.02;        ///< roughness: half width of the band counted as ground, share of the camera height
+  double tolerance_px = 0.75;           ///< noise of disparities: that band is never narrower than this
+  int ransac_iterations = 200;          ///< line hypotheses per roll angle
   int seed = 1;                         ///< of the random line hypotheses
   double seen_confidence = 0.5;         ///< confidence from which the ground counts as seen
   double uncertain_confidence = 0.25;   ///< confidence from which it counts as uncertain; not visible below

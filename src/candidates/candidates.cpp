@@ -1,0 +1,206 @@
+#include "brink/candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "brink/disparity.hpp"
+#include "candidates/region.hpp"
+
+namespace brink {
+namespace {
+
+constexpr float kLeastDisparity = 1.0F;  // the paper: a disparity below 1 is none
+constexpr double kDepthQuantile = 0.9;   // the deepest tenth is noise as often as it is depth
+
+void check_sizes(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation) {
+  if (disparity.size() != frame.left.size() || elevation.size() != frame.left.size()) {
+    throw std::invalid_argument(fmt::format("sizes differ: picture {}x{}, disparity {}x{}, elevation {}x{}", frame.left.cols,
+                                            frame.left.rows, disparity.cols, disparity.rows, elevation.cols, elevation.rows));
+  }
+}
+
+/// 255 where the ray of a pixel meets the ground within max_range_m. On the ray r, |r| h / (down . r) is the distance from the
+/// camera, so distance^2 in the plane = h^2 (|r|^2 / (down . r)^2 - 1).
+cv::Mat1b compute_range_mask(const cv::Size& size, const GroundPose& pose, const StereoCamera& camera, double max_range_m) {
+  const double h2 = pose.height_m * pose.height_m;
+  const double reach2 = max_range_m * max_range_m + h2;
+  cv::Mat1b mask(size);
+  for (int v = 0; v < size.height; ++v) {
+    const double y = (v - camera.cy) / camera.focal;
+    for (int u = 0; u < size.width; ++u) {
+      const double x = (u - camera.cx) / camera.focal;
+      const double descent = pose.down.x() * x + pose.down.y() * y + pose.down.z();
+      mask(v, u) = descent > 0.0 && h2 * (x * x + y * y + 1.0) <= reach2 * descent * descent ? 255 : 0;
+    }
+  }
+  return mask;
+}
+
+enum class PixelKind : std::uint8_t { none, ground, below_ground, other };
+
+PixelKind pixel_kind(float disparity, float elevation, const CandidateParams& params) {
+  if (disparity < kLeastDisparity) return PixelKind::none;
+  if (elevation <= -params.min_depth_m) return PixelKind::below_ground;
+  return std::abs(elevation) < params.ground_tolerance_m ? PixelKind::ground : PixelKind::other;
+}
+
+/// How many pixels of each kind a region touches in its 1-px ring.
+struct Touching {
+  int ground = 0;
+  int below_ground = 0;
+  int valid = 0;
+};
+
+Touching count_touching(const std::vector<cv::Point>& ring, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
+                        const CandidateParams& params) {
+  Touching touching;
+  for (const cv::Point& p : ring) {
+    const PixelKind kind = pixel_kind(disparity(p), elevation(p), params);
+    touching.valid += kind != PixelKind::none ? 1 : 0;
+    touching.ground += kind == PixelKind::ground ? 1 : 0;
+    touching.below_ground += kind == PixelKind::below_ground ? 1 : 0;
+  }
+  return touching;
+}
+
+/// The 3D contour, its mean, and its point nearest to the camera: what the paper tracks and tells (III.C.4).
+void measure_contour(Candidate& candidate, const cv::Mat1f& disparity, const StereoCamera& camera) {
+  for (const cv::Point& p : candidate.contour) {
+    if (disparity(p) >= kLeastDisparity) candidate.contour_3d.push_back(camera.triangulate(p.x, p.y, disparity(p)));
+  }
+  if (candidate.contour_3d.empty()) return;
+  for (const Eigen::Vector3d& point : candidate.contour_3d) candidate.centroid += point;
+  candidate.centroid /= static_cast<double>(candidate.contour_3d.size());
+  candidate.nearest = *std::ranges::min_element(candidate.contour_3d, {}, [](const auto& point) { return point.norm(); });
+}
+
+/// The opening in the ground. The region is seen through it, so the rays through the region's outline meet the ground plane at
+/// the rim: no disparity of a depth edge, where matching is worst, takes part.
+void measure_rim(Candidate& candidate, const std::vector<cv::Point>& outline, const GroundPose& pose,
+                 const StereoCamera& camera) {
+  std::vector<Eigen::Vector3d> rim;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const cv::Point& p : outline) {
+    if (const auto point = pose.intersect(p.x, p.y, camera)) {
+      rim.push_back(*point);
+      middle += *point;
+    }
+  }
+  if (rim.empty()) return;
+  candidate.rim_nearest = *std::ranges::min_element(rim, {}, [&](const auto& point) { return pose.distance(point); });
+  candidate.distance_m = pose.distance(candidate.rim_nearest);
+  candidate.bearing_deg = pose.bearing_deg(candidate.rim_nearest);
+  const Eigen::Vector3d across = pose.down.cross(middle).normalized();
+  const auto [left, right] = std::ranges::minmax(rim, {}, [&](const auto& point) { return across.dot(point); });
+  candidate.width_m = across.dot(right - left);
+}
+
+cv::Scalar compute_mean_color(const Frame& frame, const Region& region) {
+  const cv::Rect in_picture = region.box & cv::Rect(cv::Point(0, 0), frame.left.size());
+  const cv::Mat1b mask = region.mask(in_picture - region.box.tl());
+  if (!frame.left_color.empty()) return cv::mean(frame.left_color(in_picture), mask);
+  const double grey = cv::mean(frame.left(in_picture), mask)[0];
+  return {grey, grey, grey};
+}
+
+double compute_depth(const Region& region, const cv::Mat1f& elevation) {
+  std::vector<float> depths;
+  for (int v = 0; v < region.mask.rows; ++v) {
+    for (int u = 0; u < region.mask.cols; ++u) {
+      if (region.mask(v, u) != 0) depths.push_back(-elevation(region.box.y + v, region.box.x + u));
+    }
+  }
+  const auto place = depths.begin() + static_cast<std::ptrdiff_t>(kDepthQuantile * static_cast<double>(depths.size() - 1));
+  std::ranges::nth_element(depths, place);
+  return *place;
+}
+
+/// Notes the first rule that fails.
+void require(Candidate& candidate, const char* rule, bool passed, double value, double limit) {
+  if (!passed && !candidate.rejection) candidate.rejection = Rejection{rule, value, limit};
+}
+
+/// Everything about one region that does not depend on its type.
+Candidate measure(const Frame& frame, const Region& region, CandidateType type, const cv::Mat1f& disparity,
+                  const GroundPose& pose) {
+  Candidate candidate;
+  candidate.type = type;
+  candidate.area_px = region.area_px;
+  const std::vector<cv::Point> outline = trace_contour(region.dilated, region.box);
+  candidate.contour = type == CandidateType::no_disparity ? outline : trace_contour(region.mask, region.box);
+  candidate.mean_color = compute_mean_color(frame, region);
+  measure_contour(candidate, disparity, frame.camera);
+  measure_rim(candidate, outline, pose, frame.camera);
+  return candidate;
+}
+
+}  // namespace
+
+std::string to_string(CandidateType type) { return type == CandidateType::below_ground ? "below_ground" : "no_disparity"; }
+
+void CandidateParams::validate() const {
+  const auto require_param = [](bool valid, const char* name, double value, const char* expected) {
+    if (!valid) throw std::invalid_argument(fmt::format("candidates.{} = {}, must be {}", name, value, expected));
+  };
+  require_param(ground_tolerance_m > 0.0 && ground_tolerance_m <= 10.0, "ground_tolerance_m", ground_tolerance_m,
+                "above 0 to 10");
+  require_param(min_depth_m > 0.0 && min_depth_m <= 10.0, "min_depth_m", min_depth_m, "above 0 to 10");
+  require_param(below_ground_min_area_px >= 0, "below_ground_min_area_px", below_ground_min_area_px, "0 or more");
+  require_param(no_disparity_min_area_px >= 0, "no_disparity_min_area_px", no_disparity_min_area_px, "0 or more");
+  require_param(min_touching_px >= 0, "min_touching_px", min_touching_px, "0 or more");
+  require_param(black_level >= 0.0 && black_level <= 255.0, "black_level", black_level, "0 to 255");
+  require_param(max_range_m > 0.0 && max_range_m <= 1000.0, "max_range_m", max_range_m, "above 0 to 1000");
+  require_param(min_listed_area_px >= 1, "min_listed_area_px", min_listed_area_px, "1 or more");
+}
+
+std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
+                                           const GroundPlane& ground, const CandidateParams& params) {
+  check_sizes(frame, disparity, elevation);
+  params.validate();
+  const GroundPose pose = compute_ground_pose(ground, frame.camera);
+  const cv::Mat1b range = compute_range_mask(elevation.size(), pose, frame.camera, params.max_range_m);
+  const cv::Mat1b mask((elevation <= -params.min_depth_m) & (disparity >= kLeastDisparity) & range);
+
+  std::vector<Candidate> candidates;
+  for (const Region& region : find_regions(mask, params.min_listed_area_px)) {
+    Candidate candidate = measure(frame, region, CandidateType::below_ground, disparity, pose);
+    candidate.depth_m = compute_depth(region, elevation);
+    const Touching touching = count_touching(ring_pixels(region), disparity, elevation, params);
+    require(candidate, "area", region.area_px > params.below_ground_min_area_px, region.area_px,
+            params.below_ground_min_area_px);
+    require(candidate, "touches_ground", touching.ground >= params.min_touching_px, touching.ground, params.min_touching_px);
+    candidates.push_back(std::move(candidate));
+  }
+  return candidates;
+}
+
+std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
+                                           const GroundPlane& ground, const CandidateParams& params) {
+  check_sizes(frame, disparity, elevation);
+  params.validate();
+  const GroundPose pose = compute_ground_pose(ground, frame.camera);
+  const cv::Mat1b range = compute_range_mask(elevation.size(), pose, frame.camera, params.max_range_m);
+  const cv::Mat1b mask((disparity < kLeastDisparity) & range);
+
+  std::vector<Candidate> candidates;
+  for (const Region& region : find_regions(mask, params.min_listed_area_px)) {
+    Candidate candidate = measure(frame, region, CandidateType::no_disparity, disparity, pose);
+    const Touching touching = count_touching(ring_pixels(region), disparity, elevation, params);
+    const int surface = touching.ground + touching.below_ground;
+    const double brightest = std::max({candidate.mean_color[0], candidate.mean_color[1], candidate.mean_color[2]});
+    require(candidate, "area", region.area_px > params.no_disparity_min_area_px, region.area_px,
+            params.no_disparity_min_area_px);
+    require(candidate, "touches_valid", touching.valid >= params.min_touching_px, touching.valid, params.min_touching_px);
+    require(candidate, "touches_ground", surface >= params.min_touching_px, surface, params.min_touching_px);
+    require(candidate, "black", brightest <= params.black_level, brightest, params.black_level);
+    require(candidate, "contour", !candidate.contour_3d.empty(), 0.0, 1.0);
+    candidates.push_back(std::move(candidate));
+  }
+  return candidates;
+}
+
+}  // namespace brink

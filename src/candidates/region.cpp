@@ -1,0 +1,71 @@
+#include "candidates/region.hpp"
+
+#include <algorithm>
+
+#include <opencv2/imgproc.hpp>
+
+namespace brink {
+namespace {
+
+Region cut_out(const cv::Mat1i& labels, int label, const cv::Rect& tight, int area_px) {
+  Region region;
+  region.box = {tight.x - 1, tight.y - 1, tight.width + 2, tight.height + 2};
+  region.area_px = area_px;
+  const cv::Mat1b inside(labels(tight) == label);
+  cv::copyMakeBorder(inside, region.mask, 1, 1, 1, 1, cv::BORDER_CONSTANT | cv::BORDER_ISOLATED, cv::Scalar(0));
+  cv::Mat1b dilated;
+  cv::dilate(region.mask, dilated, cv::Mat(), cv::Point(-1, -1), 1, cv::BORDER_CONSTANT | cv::BORDER_ISOLATED, cv::Scalar(0));
+  const cv::Rect in_picture = region.box & cv::Rect(cv::Point(0, 0), labels.size());
+  const cv::Rect in_cut = in_picture - region.box.tl();
+  region.dilated = cv::Mat1b::zeros(dilated.size());
+  dilated(in_cut).copyTo(region.dilated(in_cut));
+  return region;
+}
+
+/// Column of the first pixel in the first row of a region.
+int first_column(const Region& region) {
+  const uchar* row = region.mask[1];
+  return region.box.x + static_cast<int>(std::find(row, row + region.mask.cols, 255) - row);
+}
+
+}  // namespace
+
+std::vector<Region> find_regions(const cv::Mat1b& mask, int min_area_px) {
+  if (mask.empty()) return {};
+  cv::Mat1i labels;
+  cv::Mat1i stats;
+  cv::Mat1d centroids;
+  const int count = cv::connectedComponentsWithStats(mask, labels, stats, centroids, 8, CV_32S);
+  std::vector<Region> regions;
+  for (int label = 1; label < count; ++label) {
+    const int area = stats(label, cv::CC_STAT_AREA);
+    if (area < min_area_px) continue;
+    const cv::Rect tight(stats(label, cv::CC_STAT_LEFT), stats(label, cv::CC_STAT_TOP), stats(label, cv::CC_STAT_WIDTH),
+                         stats(label, cv::CC_STAT_HEIGHT));
+    regions.push_back(cut_out(labels, label, tight, area));
+  }
+  // OpenCV numbers regions by blocks of pixels; ours is an order that a person can foretell.
+  std::ranges::sort(regions, [](const Region& x, const Region& y) {
+    return x.box.y != y.box.y ? x.box.y < y.box.y : first_column(x) < first_column(y);
+  });
+  return regions;
+}
+
+std::vector<cv::Point> trace_contour(const cv::Mat1b& mask, const cv::Rect& box) {
+  std::vector<std::vector<cv::Point>> contours;
+  cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE, box.tl());
+  if (contours.empty()) return {};
+  return *std::ranges::max_element(contours, {}, &std::vector<cv::Point>::size);
+}
+
+std::vector<cv::Point> ring_pixels(const Region& region) {
+  std::vector<cv::Point> pixels;
+  for (int v = 0; v < region.mask.rows; ++v) {
+    for (int u = 0; u < region.mask.cols; ++u) {
+      if (region.dilated(v, u) != 0 && region.mask(v, u) == 0) pixels.emplace_back(region.box.x + u, region.box.y + v);
+    }
+  }
+  return pixels;
+}
+
+}  // namespace brink
