@@ -1,0 +1,269 @@
+#include "brink/candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "brink/disparity.hpp"
+#include "candidates/region.hpp"
+#include "synthetic_scene.hpp"
+
+namespace brink {
+namespace {
+
+/// Flat ground seen by a camera 1.6 m up, pitched down by 30 degrees, with openings; the pictures are uniformly bright.
+class Candidates : public testing::Test {
+ protected:
+  void see(const std::vector<test::Opening>& openings, double roll_deg = 0.0) {
+    plane_ = make_ground_plane(1.6, 30.0, roll_deg, camera_);
+    disparity_ = test::make_disparity(camera_, test::half_size(), plane_, openings);
+    elevation_ = compute_elevation(disparity_, plane_, camera_);
+    frame_ = make_frame(cv::Mat3b(test::half_size(), cv::Vec3b(100, 110, 120)), cv::Mat1b(test::half_size(), 110), camera_);
+  }
+  /// Takes disparity away and paints the left picture.
+  void blacken(const cv::Rect& box, const cv::Vec3b& color) {
+    disparity_(box).setTo(kInvalidDisparity);
+    elevation_(box).setTo(std::numeric_limits<float>::quiet_NaN());
+    frame_.left_color(box).setTo(color);
+  }
+  [[nodiscard]] std::vector<Candidate> below_ground() const {
+    return select_below_ground(frame_, disparity_, elevation_, plane_, params_);
+  }
+  [[nodiscard]] std::vector<Candidate> no_disparity() const {
+    return select_no_disparity(frame_, disparity_, elevation_, plane_, params_);
+  }
+
+  StereoCamera camera_ = test::half_size_camera();
+  GroundPlane plane_;
+  cv::Mat1f disparity_;
+  cv::Mat1f elevation_;
+  Frame frame_;
+  CandidateParams params_;
+};
+
+TEST_F(Candidates, FlatGroundHasNone) {
+  see({});
+  EXPECT_TRUE(below_ground().empty());
+  EXPECT_TRUE(no_disparity().empty());
+}
+
+TEST_F(Candidates, AHoleIsMeasuredAtItsRim) {
+  for (const double roll : {0.0, 10.0}) {
+    SCOPED_TRACE(roll);
+    see({{2.0, 3.0, -0.4, 0.6, 0.5}}, roll);
+    const auto found = below_ground();
+    ASSERT_EQ(found.size(), 1U);
+    const Candidate& hole = found[0];
+    EXPECT_FALSE(hole.rejection);
+    EXPECT_EQ(hole.type, CandidateType::below_ground);
+    EXPECT_NEAR(hole.distance_m, 2.0, 0.03);
+    EXPECT_NEAR(hole.width_m, 1.0, 0.06);
+    ASSERT_TRUE(hole.depth_m);
+    EXPECT_NEAR(*hole.depth_m, 0.5, 0.01);
+    // The nearest point that lies low enough is on a side wall, 0.15 m down: behind the rim, at 2.0 m x (1 + 0.15 / 1.6).
+    const GroundPose pose = compute_ground_pose(plane_, camera_);
+    EXPECT_GE(pose.distance(hole.nearest), 2.0 * (1.0 + 0.15 / 1.6) - 0.02);
+    EXPECT_LT(pose.distance(hole.nearest), 2.0 * (1.0 + 0.50 / 1.6) + 0.02);
+    EXPECT_NEAR(pose.elevation(hole.rim_nearest), 0.0, 1e-9);
+    EXPECT_NEAR(hole.bearing_deg, pose.bearing_deg(hole.rim_nearest), 1e-9);
+    EXPECT_EQ(hole.mean_color[0], 100.0);
+    EXPECT_EQ(hole.mean_color[2], 120.0);
+  }
+}
+
+TEST_F(Candidates, APlatformEdgeIsAsFarAsItsRim) {
+  see({{3.0, 100.0, -100.0, 100.0, 1.0}});
+  const auto found = below_ground();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_FALSE(found[0].rejection);
+  EXPECT_NEAR(found[0].distance_m, 3.0, 0.03);
+  const GroundPose pose = compute_ground_pose(plane_, camera_);
+  EXPECT_NEAR(pose.distance(found[0].nearest), 3.0 * (1.0 + 1.0 / 1.6), 0.1);  // as in the specification: 4.8 m
+}
+
+TEST_F(Candidates, DepthMustReachTheThreshold) {
+  see({{2.0, 2.6, -0.4, 0.4, 0.14}});
+  EXPECT_TRUE(below_ground().empty());
+  see({{2.0, 2.6, -0.4, 0.4, 0.16}});
+  ASSERT_EQ(below_ground().size(), 1U);
+  EXPECT_FALSE(below_ground()[0].rejection);
+}
+
+TEST_F(Candidates, SmallRegionsAreKeptWithTheRuleThatTheyFail) {
+  see({});
+  elevation_(cv::Rect(300, 200, 15, 10)).setTo(-0.3F);  // 150 px: not greater than the limit
+  const auto found = below_ground();
+  ASSERT_EQ(found.size(), 1U);
+  ASSERT_TRUE(found[0].rejection);
+  EXPECT_EQ(found[0].rejection->rule, "area");
+  EXPECT_EQ(found[0].rejection->value, 150.0);
+  EXPECT_EQ(found[0].rejection->limit, 150.0);
+  elevation_(300 - 89, 300) = -0.3F;  // the 151st pixel, below the box: v = 211 would be apart
+  elevation_(210, 300) = -0.3F;
+  EXPECT_FALSE(below_ground()[0].rejection);
+}
+
+TEST_F(Candidates, RegionsApartFromTheGroundAreRejected) {
+  see({});
+  elevation_(cv::Rect(290, 190, 40, 40)).setTo(0.5F);   // the top of a box,
+  elevation_(cv::Rect(300, 200, 20, 20)).setTo(-0.3F);  // and something seen below through it
+  const auto found = below_ground();
+  ASSERT_EQ(found.size(), 1U);
+  ASSERT_TRUE(found[0].rejection);
+  EXPECT_EQ(found[0].rejection->rule, "touches_ground");
+  EXPECT_EQ(found[0].rejection->value, 0.0);
+  EXPECT_EQ(found[0].rejection->limit, 5.0);
+}
+
+TEST_F(Candidates, FarRegionsAreNotLookedFor) {
+  see({{8.2, 12.0, -3.0, 3.0, 1.0}});
+  EXPECT_TRUE(below_ground().empty());
+}
+
+TEST_F(Candidates, ABlackHoleWithoutDisparityIsType2) {
+  see({});
+  blacken({300, 200, 30, 20}, {10, 12, 19});
+  const auto found = no_disparity();
+  ASSERT_EQ(found.size(), 1U);
+  const Candidate& hole = found[0];
+  EXPECT_FALSE(hole.rejection);
+  EXPECT_EQ(hole.area_px, 600);
+  EXPECT_FALSE(hole.depth_m);
+  EXPECT_EQ(hole.mean_color[2], 19.0);
+  // The contour is that of the dilated mask: one pixel outside, on valid pixels, so all of it has 3D positions.
+  EXPECT_EQ(cv::boundingRect(hole.contour), cv::Rect(299, 199, 32, 22));
+  EXPECT_EQ(hole.contour_3d.size(), hole.contour.size());
+  const GroundPose pose = compute_ground_pose(plane_, camera_);
+  EXPECT_NEAR(hole.distance_m, pose.distance(*pose.intersect(319, 220, camera_)), 0.01);
+}
+
+TEST_F(Candidates, GreyAboveTheLevelIsNotBlack) {
+  see({});
+  blacken({300, 200, 30, 20}, {10, 12, 21});
+  const auto found = no_disparity();
+  ASSERT_EQ(found.size(), 1U);
+  ASSERT_TRUE(found[0].rejection);
+  EXPECT_EQ(found[0].rejection->rule, "black");
+  EXPECT_EQ(found[0].rejection->value, 21.0);
+  EXPECT_EQ(found[0].rejection->limit, 20.0);
+}
+
+TEST_F(Candidates, InvalidPixelsAboveTheHorizonOrFarAwayAreNotCandidates) {
+  see({});
+  blacken({0, 0, 640, 1}, {0, 0, 0});
+  EXPECT_TRUE(no_disparity().empty());
+}
+
+TEST_F(Candidates, AllInvalidTouchesNothing) {
+  see({});
+  blacken({0, 0, 640, 360}, {0, 0, 0});
+  const auto found = no_disparity();
+  ASSERT_EQ(found.size(), 1U);
+  ASSERT_TRUE(found[0].rejection);
+  EXPECT_EQ(found[0].rejection->rule, "touches_valid");
+  EXPECT_TRUE(below_ground().empty());
+}
+
+TEST_F(Candidates, TouchingMeansFivePixels) {
+  see({});
+  blacken({300, 200, 30, 20}, {0, 0, 0});
+  elevation_(cv::Rect(290, 190, 50, 10)).setTo(1.0F);  // a post above
+  elevation_(cv::Rect(290, 200, 10, 20)).setTo(1.0F);
+  elevation_(cv::Rect(330, 200, 10, 20)).setTo(1.0F);
+  elevation_(cv::Rect(290, 220, 50, 10)).setTo(1.0F);
+  const auto paint = [&](int count) { elevation_(cv::Rect(305, 220, count, 1)).setTo(0.0F); };
+  paint(4);
+  ASSERT_TRUE(no_disparity()[0].rejection);
+  EXPECT_EQ(no_disparity()[0].rejection->rule, "touches_ground");
+  EXPECT_EQ(no_disparity()[0].rejection->value, 4.0);
+  paint(5);
+  EXPECT_FALSE(no_disparity()[0].rejection);
+}
+
+TEST_F(Candidates, GreyPicturesUseTheMeanGrey) {
+  see({});
+  frame_ = make_frame(cv::Mat1b(test::half_size(), 110), cv::Mat1b(test::half_size(), 110), camera_);
+  const cv::Rect box(300, 200, 30, 20);
+  disparity_(box).setTo(kInvalidDisparity);
+  frame_.left(box).setTo(15);
+  ASSERT_EQ(no_disparity().size(), 1U);
+  EXPECT_FALSE(no_disparity()[0].rejection);
+  EXPECT_NEAR(no_disparity()[0].mean_color[0], 15.0, 1e-9);
+}
+
+TEST_F(Candidates, WrongArgumentsAreNamed) {
+  see({});
+  params_.black_level = -1.0;
+  EXPECT_THROW(static_cast<void>(no_disparity()), std::invalid_argument);
+  params_ = {};
+  disparity_ = cv::Mat1f(3, 3, 1.0F);
+  EXPECT_THROW(static_cast<void>(below_ground()), std::invalid_argument);
+}
+
+/// The naive twin of find_regions' labelling: flood fill over a queue.
+std::vector<int> flood_fill_areas(cv::Mat1b mask) {
+  std::vector<int> areas;
+  for (int v = 0; v < mask.rows; ++v) {
+    for (int u = 0; u < mask.cols; ++u) {
+      if (mask(v, u) == 0) continue;
+      std::vector<cv::Point> open{{u, v}};
+      mask(v, u) = 0;
+      int area = 0;
+      while (!open.empty()) {
+        const cv::Point p = open.back();
+        open.pop_back();
+        ++area;
+        for (int y = std::max(0, p.y - 1); y <= std::min(mask.rows - 1, p.y + 1); ++y) {
+          for (int x = std::max(0, p.x - 1); x <= std::min(mask.cols - 1, p.x + 1); ++x) {
+            if (mask(y, x) == 0) continue;
+            mask(y, x) = 0;
+            open.emplace_back(x, y);
+          }
+        }
+      }
+      areas.push_back(area);
+    }
+  }
+  return areas;
+}
+
+TEST(Regions, AreThoseOfAFloodFillInRowOrder) {
+  cv::RNG random(5);
+  for (const cv::Size& size : {cv::Size(1, 1), cv::Size(1, 17), cv::Size(33, 21), cv::Size(101, 67)}) {
+    cv::Mat1b mask(size);
+    random.fill(mask, cv::RNG::UNIFORM, 0, 3);
+    cv::threshold(mask, mask, 1, 255, cv::THRESH_BINARY);
+    std::vector<int> areas;
+    for (const Region& region : find_regions(mask, 1)) {
+      areas.push_back(region.area_px);
+      EXPECT_EQ(cv::countNonZero(region.mask), region.area_px);
+    }
+    EXPECT_EQ(areas, flood_fill_areas(mask.clone()));
+  }
+  EXPECT_TRUE(find_regions(cv::Mat1b(), 1).empty());
+}
+
+TEST(Regions, RingStaysInThePicture) {
+  cv::Mat1b mask = cv::Mat1b::zeros(5, 5);
+  mask(0, 0) = 255;
+  const auto regions = find_regions(mask, 1);
+  ASSERT_EQ(regions.size(), 1U);
+  EXPECT_EQ(ring_pixels(regions[0]), (std::vector<cv::Point>{{1, 0}, {0, 1}, {1, 1}}));
+}
+
+TEST(Regions, HolesInsideDoNotSplitThem) {
+  cv::Mat1b mask = cv::Mat1b::zeros(9, 9);
+  mask(cv::Rect(1, 1, 7, 7)).setTo(255);
+  mask(cv::Rect(3, 3, 3, 3)).setTo(0);
+  const auto regions = find_regions(mask, 1);
+  ASSERT_EQ(regions.size(), 1U);
+  EXPECT_EQ(regions[0].area_px, 40);
+  EXPECT_EQ(trace_contour(regions[0].mask, regions[0].box).size(), 24U) << "the outer contour only";
+}
+
+}  // namespace
+}  // namespace brink
