@@ -48,18 +48,19 @@ struct ElasParams {
 
 /// Parameters of OpenCV's StereoBM.
 struct BmParams {
-  int max_disparity = 255;      ///< px, inclusive; rounded up to OpenCV's multiple of 16
-  int block_size_px = 15;       ///< odd, 5..51
-  int texture_threshold = 10;   ///< least texture of a block
-  int uniqueness_percent = 15;  ///< best cost must win by this much
-  int speckle_size_px = 200;    ///< smaller segments are removed
-  int speckle_range_px = 2;     ///< disparity difference inside one segment
-  void validate() const;        ///< @throws std::invalid_argument "bm.name = value, must be ..."
+  int max_disparity = 255;           ///< px, inclusive
+  int block_size_px = 15;            ///< odd, 5..51
+  int texture_threshold = 10;        ///< least texture of a block
+  int uniqueness_percent = 15;       ///< best cost must win by this much
+  int consistency_threshold_px = 1;  ///< left-right tolerance
+  int speckle_size_px = 200;         ///< smaller segments are removed
+  int speckle_range_px = 2;          ///< disparity difference inside one segment
+  void validate() const;             ///< @throws std::invalid_argument "bm.name = value, must be ..."
 };
 
 /// Parameters of OpenCV's StereoSGBM (MODE_SGBM_3WAY), used by `sgbm` and `sgbm-wls`.
 struct SgbmParams {
-  int max_disparity = 255;           ///< px, inclusive; rounded up to OpenCV's multiple of 16
+  int max_disparity = 255;           ///< px, inclusive
   int block_size_px = 5;             ///< odd, 1..11
   int uniqueness_percent = 10;       ///< best cost must win by this much
   int consistency_threshold_px = 1;  ///< left-right tolerance

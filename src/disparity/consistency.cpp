@@ -1,0 +1,26 @@
+#include "disparity/consistency.hpp"
+
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+
+#include "brink/disparity.hpp"
+
+namespace brink {
+
+cv::Mat1f check_consistency(const cv::Mat1f& left, const cv::Mat1f& right, float threshold_px) {
+  cv::Mat1f checked(left.size(), kInvalidDisparity);
+  tbb::parallel_for(0, left.rows, [&](int v) {
+    for (int u = 0; u < left.cols; ++u) {
+      const float d = left(v, u);
+      if (d == kInvalidDisparity) continue;
+      const int counterpart = static_cast<int>(std::lround(static_cast<float>(u) - d));
+      if (counterpart < 0 || counterpart >= right.cols) continue;
+      const float back = right(v, counterpart);
+      if (back != kInvalidDisparity && std::abs(d - back) <= threshold_px) checked(v, u) = d;
+    }
+  });
+  return checked;
+}
+
+}  // namespace brink

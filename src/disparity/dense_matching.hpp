@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "brink/disparity.hpp"
+#include "disparity/delaunay.hpp"
+#include "disparity/descriptors.hpp"
+#include "disparity/support_points.hpp"
+
+namespace brink {
+
+/// The view whose pixels are matched; the counterpart lies at u - d for the left and at u + d for the right view.
+enum class View : std::uint8_t { left, right };
+
+/// The disparities expected inside a triangle: d(u, v) = a u + b v + c, px.
+struct PriorPlane {
+  float a = 0.0F;
+  float b = 0.0F;
+  float c = 0.0F;
+  bool reliable = false;  ///< not too slanted in either view to be one surface
+};
+
+/// The plane through the corners of each triangle.
+std::vector<PriorPlane> fit_planes(View view, const std::vector<SupportPoint>& points, const std::vector<Triangle>& triangles);
+
+/// Which triangle each pixel lies in, -1 = none. A pixel on an edge belongs to the later of the two triangles.
+cv::Mat1i label_triangles(const std::vector<SupportPoint>& points, const std::vector<Triangle>& triangles, cv::Size size);
+
+/// Disparities near each part of the picture, whatever the planes say.
+struct CandidateGrid {
+  int cell_px = 1;
+  int columns = 0;
+  std::vector<std::vector<int>> cells;  ///< ascending disparities, row by row
+
+  [[nodiscard]] const std::vector<int>& at(int u, int v) const {
+    return cells[static_cast<std::size_t>(v / cell_px * columns + u / cell_px)];
+  }
+};
+
+/// The disparities of the support points in a cell and in its up to 8 neighbours, each with d - 1 and d + 1.
+CandidateGrid make_candidate_grid(const std::vector<SupportPoint>& points, cv::Size size, const ElasParams& params);
+
+/// The most probable disparity of every pixel of a view, given its plane and the descriptors (ACCV 2010, section 4;
+/// algorithms.md A.6). @param points of that view.
+/// @return kInvalidDisparity outside the triangles, without texture, and where the match is ambiguous.
+cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorImage& other,
+                      const std::vector<SupportPoint>& points, const ElasParams& params);
+
+}  // namespace brink

@@ -1,0 +1,63 @@
+#include "disparity/elas.hpp"
+
+#include <vector>
+
+#include <tbb/parallel_invoke.h>
+
+#include "disparity/consistency.hpp"
+#include "disparity/delaunay.hpp"
+#include "disparity/dense_matching.hpp"
+#include "disparity/descriptors.hpp"
+#include "disparity/parameters.hpp"
+#include "disparity/postprocess.hpp"
+#include "disparity/support_points.hpp"
+
+namespace brink {
+namespace {
+
+/// Geiger, Roser, Urtasun, "Efficient Large-Scale Stereo Matching", ACCV 2010.
+class ElasMatcher : public StereoMatcher {
+ public:
+  explicit ElasMatcher(const ElasParams& params) : params_(params) { params_.validate(); }
+
+  [[nodiscard]] cv::Mat1f compute(const cv::Mat1b& left, const cv::Mat1b& right) override {
+    require_equal_sizes(left, right);
+
+    DescriptorImage left_descriptors;
+    DescriptorImage right_descriptors;
+    tbb::parallel_invoke([&] { left_descriptors = compute_descriptors(left); },
+                         [&] { right_descriptors = compute_descriptors(right); });
+
+    const std::vector<SupportPoint> points = find_support_points(left_descriptors, right_descriptors, params_);
+    if (points.size() < 3) return {left.size(), kInvalidDisparity};
+
+    cv::Mat1f left_disparity;
+    cv::Mat1f right_disparity;
+    tbb::parallel_invoke(
+        [&] { left_disparity = match_dense(View::left, left_descriptors, right_descriptors, points, params_); },
+        [&] {
+          right_disparity = match_dense(View::right, right_descriptors, left_descriptors, move_to_right_view(points), params_);
+        });
+
+    const auto threshold = static_cast<float>(params_.consistency_threshold_px);
+    return clean_up(check_consistency(left_disparity, right_disparity, threshold));
+  }
+
+ private:
+  [[nodiscard]] cv::Mat1f clean_up(cv::Mat1f disparity) const {
+    disparity = remove_speckles(disparity, static_cast<float>(params_.speckle_similarity_px), params_.speckle_size_px);
+    disparity = fill_gaps(disparity, params_.gap_width_px);
+    if (params_.add_corners) disparity = extend_to_borders(disparity, params_.gap_width_px);
+    if (params_.filter_adaptive_mean) disparity = filter_adaptive_mean(disparity);
+    if (params_.filter_median) disparity = filter_median(disparity);
+    return disparity;
+  }
+
+  ElasParams params_;
+};
+
+}  // namespace
+
+std::unique_ptr<StereoMatcher> make_elas_matcher(const ElasParams& params) { return std::make_unique<ElasMatcher>(params); }
+
+}  // namespace brink

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+
+namespace brink {
+
+// Each takes a disparity image (px, kInvalidDisparity = none) and returns a new one (algorithms.md A.7).
+
+/// Removes small segments: 4-connected valid pixels, neighbours at most similarity_px apart, fewer than min_size_px pixels.
+cv::Mat1f remove_speckles(const cv::Mat1f& disparity, float similarity_px, int min_size_px);
+
+/// Fills runs of at most max_width_px invalid pixels between two valid ones, first along rows, then along columns, with the
+/// mean of both ends; where they differ by 3 px or more with the smaller one, the background.
+cv::Mat1f fill_gaps(const cv::Mat1f& disparity, int max_width_px);
+
+/// Repeats the first and last valid disparity of each row, then of each column, up to max_width_px outwards.
+cv::Mat1f extend_to_borders(const cv::Mat1f& disparity, int max_width_px);
+
+/// Mean of the 7 valid pixels around each valid one that are nearly alike, first along rows, then along columns: weight
+/// max(0, 4 - |difference|). Steps of 4 px or more stay sharp; the window is centred, so that slopes are not shifted.
+cv::Mat1f filter_adaptive_mean(const cv::Mat1f& disparity);
+
+/// Median of the up to 7 valid pixels around each valid one, first along rows, then along columns; of an even number the lower.
+cv::Mat1f filter_median(const cv::Mat1f& disparity);
+
+}  // namespace brink

@@ -1,0 +1,166 @@
+#include "disparity/support_points.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+
+#include <tbb/parallel_for.h>
+
+namespace brink {
+namespace {
+
+/// Candidates keep this distance from the border: then every sample they use lies inside the picture, px.
+constexpr int kBorder = 5;
+/// The four descriptors of a candidate lie this far from it in u and v, px.
+constexpr int kArm = 2;
+/// With fewer disparities to choose from, being best means little.
+constexpr int kMinRange = 10;
+
+/// The rows of descriptors above and below a candidate, in the view it lies in and in the other one.
+struct CandidateRows {
+  const Descriptor* upper = nullptr;
+  const Descriptor* lower = nullptr;
+};
+
+CandidateRows rows_around(const DescriptorImage& image, int v) { return {image.row(v - kArm), image.row(v + kArm)}; }
+
+int compute_support_cost(const CandidateRows& a, int u, const CandidateRows& b, int other_u) {
+  return compute_cost(a.upper[u - kArm], b.upper[other_u - kArm]) + compute_cost(a.upper[u + kArm], b.upper[other_u + kArm]) +
+         compute_cost(a.lower[u - kArm], b.lower[other_u - kArm]) + compute_cost(a.lower[u + kArm], b.lower[other_u + kArm]);
+}
+
+/// The disparity of pixel (u, v) of `image`, whose counterpart in `other` lies at u + direction * disparity; kNoSupport if no
+/// disparity is clearly the best. The second best may be a neighbour of the best: a wide minimum is no certain match.
+int match_support_point(const DescriptorImage& image, const DescriptorImage& other, int u, int v, int direction,
+                        const ElasParams& params) {
+  const int room = direction < 0 ? u - kBorder : image.width() - 1 - kBorder - u;
+  const int last = std::min(params.max_disparity, room);
+  if (last - params.min_disparity < kMinRange) return kNoSupport;
+  if (compute_texture(image.row(v)[u]) < params.support_texture) return kNoSupport;
+
+  const CandidateRows rows = rows_around(image, v);
+  const CandidateRows other_rows = rows_around(other, v);
+  int best = kNoSupport;
+  int best_cost = std::numeric_limits<int>::max();
+  int second_cost = std::numeric_limits<int>::max();
+  for (int d = params.min_disparity; d <= last; ++d) {
+    const int cost = compute_support_cost(rows, u, other_rows, u + direction * d);
+    if (cost < best_cost) {
+      second_cost = best_cost;
+      best_cost = cost;
+      best = d;
+    } else {
+      second_cost = std::min(second_cost, cost);
+    }
+  }
+  return best_cost < params.support_threshold * second_cost ? best : kNoSupport;
+}
+
+/// Whether one of the up to kRedundancyReach cells from (i, j) on in steps of (di, dj) holds nearly the same disparity.
+bool has_similar(const SupportGrid& grid, int i, int j, int di, int dj) {
+  constexpr int kRedundancyReach = 5;
+  constexpr int kRedundancyThreshold = 1;
+  for (int step = 1; step <= kRedundancyReach; ++step) {
+    const int x = i + step * di;
+    const int y = j + step * dj;
+    if (x < 0 || y < 0 || x >= grid.cols || y >= grid.rows) return false;
+    if (grid(y, x) != kNoSupport && std::abs(grid(y, x) - grid(j, i)) <= kRedundancyThreshold) return true;
+  }
+  return false;
+}
+
+int count_agreeing(const SupportGrid& grid, int i, int j, const ElasParams& params) {
+  const int reach = params.inconsistency_window;
+  int agreeing = 0;
+  for (int y = std::max(j - reach, 0); y <= std::min(j + reach, grid.rows - 1); ++y) {
+    for (int x = std::max(i - reach, 0); x <= std::min(i + reach, grid.cols - 1); ++x) {
+      const bool agrees = grid(y, x) != kNoSupport && std::abs(grid(y, x) - grid(j, i)) <= params.inconsistency_threshold_px;
+      agreeing += agrees ? 1 : 0;
+    }
+  }
+  return agreeing;
+}
+
+}  // namespace
+
+SupportGrid match_support_candidates(const DescriptorImage& left, const DescriptorImage& right, const ElasParams& params) {
+  const int step = params.candidate_step_px;
+  SupportGrid grid((left.height() + step - 1) / step, (left.width() + step - 1) / step, kNoSupport);
+  tbb::parallel_for(0, grid.rows, [&](int j) {
+    const int v = j * step;
+    if (v < kBorder || v >= left.height() - kBorder) return;
+    for (int i = 0; i < grid.cols; ++i) {
+      const int u = i * step;
+      if (u < kBorder || u >= left.width() - kBorder) continue;
+      const int d = match_support_point(left, right, u, v, -1, params);
+      if (d == kNoSupport) continue;
+      const int back = match_support_point(right, left, u - d, v, +1, params);
+      if (back != kNoSupport && std::abs(back - d) <= params.consistency_threshold_px) grid(j, i) = d;
+    }
+  });
+  return grid;
+}
+
+SupportGrid remove_inconsistent(const SupportGrid& grid, const ElasParams& params) {
+  SupportGrid result = grid.clone();
+  for (int j = 0; j < grid.rows; ++j) {
+    for (int i = 0; i < grid.cols; ++i) {
+      if (grid(j, i) == kNoSupport) continue;
+      if (count_agreeing(grid, i, j, params) < params.inconsistency_min_support) result(j, i) = kNoSupport;
+    }
+  }
+  return result;
+}
+
+SupportGrid remove_redundant(const SupportGrid& grid) {
+  SupportGrid result = grid.clone();
+  // In place on purpose: judged by the untouched grid, the inside of every even surface would vanish altogether.
+  const auto thin_out = [&result](int di, int dj) {
+    for (int j = 0; j < result.rows; ++j) {
+      for (int i = 0; i < result.cols; ++i) {
+        if (result(j, i) == kNoSupport) continue;
+        if (has_similar(result, i, j, -di, -dj) && has_similar(result, i, j, di, dj)) result(j, i) = kNoSupport;
+      }
+    }
+  };
+  thin_out(0, 1);
+  thin_out(1, 0);
+  return result;
+}
+
+std::vector<SupportPoint> make_corners(const std::vector<SupportPoint>& points, cv::Size size) {
+  std::vector<SupportPoint> corners;
+  for (const int v : {0, size.height - 1}) {
+    for (const int u : {0, size.width - 1}) {
+      const auto squared_distance = [u, v](const SupportPoint& p) {
+        return std::int64_t{p.u - u} * (p.u - u) + std::int64_t{p.v - v} * (p.v - v);
+      };
+      const auto nearest = std::min_element(points.begin(), points.end(), [&](const SupportPoint& a, const SupportPoint& b) {
+        return squared_distance(a) < squared_distance(b);
+      });
+      corners.push_back({u, v, nearest->disparity});
+      if (u > 0) corners.push_back({u + nearest->disparity, v, nearest->disparity});
+    }
+  }
+  return corners;
+}
+
+std::vector<SupportPoint> find_support_points(const DescriptorImage& left, const DescriptorImage& right,
+                                              const ElasParams& params) {
+  const SupportGrid grid = remove_redundant(remove_inconsistent(match_support_candidates(left, right, params), params));
+  std::vector<SupportPoint> points;
+  for (int j = 0; j < grid.rows; ++j) {
+    for (int i = 0; i < grid.cols; ++i) {
+      if (grid(j, i) != kNoSupport) {
+        points.push_back({i * params.candidate_step_px, j * params.candidate_step_px, grid(j, i)});
+      }
+    }
+  }
+  if (params.add_corners && !points.empty()) {
+    const std::vector<SupportPoint> corners = make_corners(points, {left.width(), left.height()});
+    points.insert(points.end(), corners.begin(), corners.end());
+  }
+  return points;
+}
+
+}  // namespace brink
