@@ -1,0 +1,130 @@
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/resource.h>
+
+#include "common.hpp"
+
+namespace brink::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct BenchOptions {
+  InputOptions input;
+  MethodOptions method;
+  int threads = 0;
+  int repeat = 3;
+  bool json = false;
+};
+
+constexpr std::pair<const char*, double StageTimes::*> kStages[] = {
+    {"disparity", &StageTimes::disparity},       {"ground", &StageTimes::ground}, {"below_ground", &StageTimes::below_ground},
+    {"no_disparity", &StageTimes::no_disparity}, {"total", &StageTimes::total},
+};
+
+/// The smallest value that at least this share of all values do not exceed. @param sorted ascending, not empty.
+double quantile(const std::vector<double>& sorted, double share) {
+  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
+  return sorted[std::max<std::size_t>(rank, 1) - 1];
+}
+
+double peak_memory_mb() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+// Decoding takes longer than several stages together and is no part of the method.
+std::vector<Frame> decode(const Sequence& sequence) {
+  std::vector<Frame> frames;
+  for (int position = 0; position < sequence.size(); ++position) {
+    FrameReading reading = sequence.read(position);
+    if (reading.status == FrameStatus::ok) {
+      frames.push_back(std::move(reading.frame));
+    } else {
+      say(reading.reason);
+    }
+  }
+  return frames;
+}
+
+std::vector<StageTimes> measure(const std::vector<Frame>& frames, const DetectorParams& params, int repeat) {
+  Detector detector(params);
+  std::vector<StageTimes> times;
+  for (int round = 0; round < repeat; ++round) {
+    for (const Frame& frame : frames) times.push_back(detector.process(frame).times);
+  }
+  return times;
+}
+
+Json summarise(const std::vector<StageTimes>& times) {
+  Json stages;
+  for (const auto& [name, member] : kStages) {
+    std::vector<double> values;
+    for (const StageTimes& one : times) values.push_back(one.*member);
+    std::sort(values.begin(), values.end());
+    stages[name] = {{"median", quantile(values, 0.5)}, {"p95", quantile(values, 0.95)}, {"max", values.back()}};
+  }
+  return stages;
+}
+
+std::string to_text(const Json& result) {
+  std::string text = fmt::format(
+      "{} frames of {}x{} px, {} times, {}\n", result["frames"].get<int>(), result["width"].get<int>(),
+      result["height"].get<int>(), result["repeat"].get<int>(),
+      result["threads"].is_null() ? "all threads" : fmt::format("at most {} threads", result["threads"].get<int>()));
+  for (const auto& [name, stage] : result["times_ms"].items()) {
+    text += fmt::format("{}: median {:.2f} ms, p95 {:.2f} ms, max {:.2f} ms\n", name, stage["median"].get<double>(),
+                        stage["p95"].get<double>(), stage["max"].get<double>());
+  }
+  return text + fmt::format("frames per second: {:.2f}\npeak resident memory: {:.0f} MB\n", result["fps"].get<double>(),
+                            result["peak_memory_mb"].get<double>());
+}
+
+int bench(const BenchOptions& options) {
+  const DetectorParams params = make_params(options.method);
+  const auto threads = limit_threads(options.threads);
+  const std::vector<Frame> frames = decode(open_input(options.input));
+  if (frames.empty()) return kExitData;
+  Json result = {{"frames", frames.size()},
+                 {"width", frames.front().left.cols},
+                 {"height", frames.front().left.rows},
+                 {"repeat", options.repeat},
+                 {"threads", options.threads > 0 ? Json(options.threads) : Json()}};
+  result["times_ms"] = summarise(measure(frames, params, options.repeat));
+  result["fps"] = 1000.0 / result["times_ms"]["total"]["median"].get<double>();
+  result["peak_memory_mb"] = peak_memory_mb();
+  print(options.json ? result.dump(2) + "\n" : to_text(result));
+  return kExitOk;
+}
+
+}  // namespace
+
+Run add_bench(CLI::App& command) {
+  const auto options = std::make_shared<BenchOptions>();
+  constexpr int kMostRepeats = 10000;
+  add_input_options(command, options->input);
+  command.add_option("--repeat", options->repeat, "Process all frames this many times")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMostRepeats))
+      ->capture_default_str();
+  command.add_flag("--json", options->json, "Print JSON instead of text");
+  add_method_options(command, options->method);
+  add_threads_option(command, options->threads);
+  command.footer(
+      "All pictures are decoded before the first measurement. Frames per second follow from the median of the total.\n"
+      "Examples:\n"
+      "  brink bench walk/ --threads 1\n"
+      "  brink bench left.png --right right.png --calib calib.txt --repeat 20 --json");
+  return [options] { return bench(*options); };
+}
+
+}  // namespace brink::app

@@ -1,0 +1,99 @@
+#include "common.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+
+#include "brink/files.hpp"
+#include "brink/parameters.hpp"
+
+namespace brink::app {
+
+void add_method_options(CLI::App& command, MethodOptions& options) {
+  command.add_option("--method", options.method, "brink: what measures best, or paper: the rules of the paper to the letter")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"brink", "paper"}))
+      ->capture_default_str();
+  command.add_option("--params", options.params, "File of parameters (YAML), as brink params --yaml writes it")
+      ->type_name("FILE");
+  command
+      .add_option("--matcher", options.matcher, "Stereo matcher: elas, bm, sgbm or sgbm-wls. Without it that of the parameters")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"elas", "bm", "sgbm", "sgbm-wls"}));
+  command
+      .add_option("--set", options.settings,
+                  "Set one parameter, as in --set candidates.min_depth_m=0.01. May be given many times; brink params lists all")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->take_all();
+}
+
+DetectorParams make_params(const MethodOptions& options) {
+  DetectorParams params = options.method == "paper" ? DetectorParams::paper() : DetectorParams::brink();
+  if (!options.params.empty()) params = read_parameters(options.params, params);
+  if (!options.matcher.empty()) params.disparity.matcher = matcher_from_string(options.matcher);
+  std::vector<Setting> settings;
+  for (const std::string& text : options.settings) settings.push_back(parse_setting(text));
+  params = with_settings(params, settings);
+  params.validate();
+  return params;
+}
+
+void add_input_options(CLI::App& command, InputOptions& options) {
+  command
+      .add_option("INPUT", options.input,
+                  "Folder of a sequence in the KITTI layout, or the left picture of one pair (PNG or JPEG, 8 bit, rectified)")
+      ->required();
+  command.add_option("--right", options.right, "Right picture of the pair")->type_name("FILE");
+  command
+      .add_option("--calib", options.calibration,
+                  "Calibration of the pair: KITTI calib.txt, or OpenCV YAML with P1 and P2, or Q")
+      ->type_name("FILE");
+}
+
+Sequence open_input(const InputOptions& options) {
+  std::error_code error;
+  if (std::filesystem::is_directory(options.input, error)) {
+    if (!options.right.empty() || !options.calibration.empty()) {
+      throw std::invalid_argument(fmt::format(
+          "{} is a folder, which holds its right pictures and calib.txt itself: --right and --calib go with one picture",
+          options.input));
+    }
+    return open_sequence(options.input);
+  }
+  if (!std::filesystem::exists(options.input, error)) throw std::runtime_error(options.input + ": no such file or folder");
+  if (options.right.empty() || options.calibration.empty()) {
+    throw std::invalid_argument(options.input + " is one picture: --right and --calib are needed with it");
+  }
+  return open_pair(options.input, options.right, options.calibration);
+}
+
+void add_threads_option(CLI::App& command, int& threads) {
+  constexpr int kMostThreads = 1024;
+  command.add_option("--threads", threads, "Use at most this many threads. Without it all cores. Results do not depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMostThreads));
+}
+
+std::unique_ptr<tbb::global_control> limit_threads(int threads) {
+  if (threads == 0) return nullptr;
+  cv::setNumThreads(threads);
+  return std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+}
+
+void say(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  fmt::print(stderr, "brink: {}\n", text);
+}
+
+void print(std::string_view text) {
+  OutputFile output("-");
+  output.write(text);
+  output.commit();
+}
+
+}  // namespace brink::app

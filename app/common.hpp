@@ -1,0 +1,62 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <tbb/global_control.h>
+
+#include "brink/detector.hpp"
+#include "brink/sequence.hpp"
+
+namespace brink::app {
+
+constexpr int kExitOk = 0;
+constexpr int kExitData = 1;   ///< a file or the scene is at fault
+constexpr int kExitUsage = 2;  ///< the command line is at fault: std::invalid_argument
+
+/// What a subcommand does once its options are read; returns the exit code.
+using Run = std::function<int()>;
+
+/// Options that choose the method and its parameters, the same for all subcommands that compute something.
+struct MethodOptions {
+  std::string method = "brink";
+  std::string params;
+  std::string matcher;
+  std::vector<std::string> settings;
+};
+void add_method_options(CLI::App& command, MethodOptions& options);
+/// In this order, later ones winning: --method, --params, --matcher, --set.
+/// @throws std::invalid_argument or std::runtime_error (a parameter file) with the fault.
+DetectorParams make_params(const MethodOptions& options);
+
+/// The input of detect and bench: a sequence, or a pair with its calibration.
+struct InputOptions {
+  std::string input;
+  std::string right;
+  std::string calibration;
+};
+void add_input_options(CLI::App& command, InputOptions& options);
+/// @throws std::invalid_argument when --right and --calib do not go with the input, std::runtime_error when it cannot be read.
+Sequence open_input(const InputOptions& options);
+
+/// --threads; no limit when it is not given.
+void add_threads_option(CLI::App& command, int& threads);
+/// The limit holds as long as the result lives. @param threads 0 = the option was not given.
+std::unique_ptr<tbb::global_control> limit_threads(int threads);
+
+/// One line for people, on standard error.
+void say(std::string text);
+/// A result, on standard output. @throws std::runtime_error when it cannot be written.
+void print(std::string_view text);
+
+// The subcommands: each adds its options and tells what to run.
+Run add_detect(CLI::App& command);
+Run add_disparity(CLI::App& command);
+Run add_params(CLI::App& command);
+Run add_bench(CLI::App& command);
+
+}  // namespace brink::app

@@ -1,0 +1,157 @@
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "brink/detections.hpp"
+#include "brink/files.hpp"
+#include "brink/overlay.hpp"
+#include "brink/pictures.hpp"
+#include "common.hpp"
+
+namespace brink::app {
+namespace {
+
+struct DetectOptions {
+  InputOptions input;
+  MethodOptions method;
+  std::string out = "-";
+  std::string overlay;
+  int threads = 0;
+  bool stills = false;
+};
+
+/// What the last line on the screen tells.
+struct Summary {
+  int frames = 0;
+  int ok = 0;
+  int seen = 0;
+  int uncertain = 0;
+  int not_visible = 0;
+  std::string last_reason;  ///< of a ground that was not visible
+  std::size_t obstacles = 0;
+
+  void add(const Detection& detection) {
+    ++frames;
+    if (detection.status != FrameStatus::ok) return;
+    ++ok;
+    obstacles += detection.obstacles.size();
+    if (detection.ground.state == GroundState::seen) ++seen;
+    if (detection.ground.state == GroundState::uncertain) ++uncertain;
+    if (detection.ground.state == GroundState::not_visible) {
+      ++not_visible;
+      last_reason = detection.ground.reason;
+    }
+  }
+
+  [[nodiscard]] std::string text() const {
+    std::string text = fmt::format("{} of {} frames ok; ground seen in {}, uncertain in {}, not visible in {}", ok, frames,
+                                   seen, uncertain, not_visible);
+    if (!last_reason.empty()) text += fmt::format(" ({})", last_reason);
+    return text + fmt::format("; obstacles: {}", obstacles);
+  }
+};
+
+/// Says on a terminal how far the work is, once a second.
+class Progress {
+ public:
+  explicit Progress(int frames) : frames_(frames), shown_(::isatty(STDERR_FILENO) != 0) {}
+  void tell(int done) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!shown_ || now - last_ < std::chrono::seconds(1)) return;
+    last_ = now;
+    say(fmt::format("{} of {} frames", done, frames_));
+  }
+
+ private:
+  int frames_;
+  bool shown_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+void write_overlays(const OutputFolder& folder, const Frame& frame, const Detection& detection, const CandidateParams& params) {
+  const auto write = [&](const char* name, const cv::Mat3b& picture) {
+    write_file(folder.file(fmt::format("{:06}_{}.png", frame.index, name)), encode_png(picture));
+  };
+  write("ground", draw_ground(frame, detection, params));
+  write("disparity", draw_disparity(detection.disparity));
+  write("candidates", draw_candidates(frame, detection));
+  write("drops", draw_obstacles(frame, detection));
+}
+
+void say_what_is_validated(bool pair, bool stills) {
+  if (pair) {
+    say("one pair: candidates are reported as obstacles at once, as with --stills");
+  } else if (!stills) {
+    say("this version has no ego-motion, so nothing is validated: candidates are in \"tracks\"; --stills reports them as "
+        "obstacles");
+  }
+}
+
+int detect(const DetectOptions& options) {
+  DetectorParams params = make_params(options.method);
+  const Sequence sequence = open_input(options.input);
+  const bool pair = !options.input.right.empty();
+  params.stills = params.stills || options.stills || pair;
+  const auto threads = limit_threads(options.threads);
+  std::optional<OutputFolder> overlay;
+  if (!options.overlay.empty()) overlay.emplace(options.overlay);
+  OutputFile out(options.out);
+
+  Detector detector(params);
+  Summary summary;
+  Progress progress(sequence.size());
+  for (int position = 0; position < sequence.size(); ++position) {
+    const FrameReading reading = sequence.read(position);
+    const bool readable = reading.status == FrameStatus::ok;
+    if (!readable) say(reading.reason);
+    const Detection detection =
+        readable ? detector.process(reading.frame)
+                 : make_failed_detection(reading.frame.index, reading.frame.time, reading.status, reading.reason);
+    out.write(to_json_line(detection));
+    if (readable && overlay) write_overlays(*overlay, reading.frame, detection, params.candidates);
+    summary.add(detection);
+    progress.tell(position + 1);
+  }
+  if (summary.ok == 0) {
+    if (!pair) say(fmt::format("none of {} frames can be used", summary.frames));
+    return kExitData;
+  }
+  out.commit();
+  say_what_is_validated(pair, params.stills);
+  say(summary.text());
+  return kExitOk;
+}
+
+}  // namespace
+
+Run add_detect(CLI::App& command) {
+  const auto options = std::make_shared<DetectOptions>();
+  add_input_options(command, options->input);
+  command
+      .add_option("--out", options->out,
+                  "Write the detections, JSON Lines, to this file. Without it they go to standard output")
+      ->type_name("FILE");
+  command
+      .add_option("--overlay", options->overlay,
+                  "Write four pictures of each frame into this folder: ground, disparity, candidates, drops")
+      ->type_name("FOLDER");
+  command.add_flag("--stills", options->stills,
+                   "The pictures are unrelated: report every candidate at once instead of following it over frames");
+  add_method_options(command, options->method);
+  add_threads_option(command, options->threads);
+  command.footer(
+      "Examples:\n"
+      "  brink detect walk/ --stills --out walk.jsonl --overlay pictures/\n"
+      "  brink detect left.png --right right.png --calib calib.txt\n"
+      "  brink detect potholes/ --stills --set candidates.min_depth_m=0.01\n"
+      "A frame that cannot be read is told on standard error and in the output, and the next one goes on. When no frame at all "
+      "can\n"
+      "be used, the exit code is 1 and no file is written.");
+  return [options] { return detect(*options); };
+}
+
+}  // namespace brink::app

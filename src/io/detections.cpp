@@ -1,0 +1,111 @@
+#include "brink/detections.hpp"
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace brink {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kMetreDigits = 4;
+constexpr int kDegreeDigits = 3;
+constexpr int kTimeDigits = 6;  // of seconds
+constexpr int kMillisecondDigits = 3;
+
+// The nearest decimal number of so many digits after the dot; null when there is none.
+Json rounded(double value, int digits) {
+  if (!std::isfinite(value)) return nullptr;
+  const double scale = std::pow(10.0, digits);
+  const double result = std::round(value * scale) / scale;
+  return std::isfinite(result) ? result + 0.0 : value;  // + 0.0 turns -0 into 0
+}
+
+Json point(const Eigen::Vector3d& position) {
+  Json numbers = Json::array();
+  for (const double coordinate : position) numbers.push_back(rounded(coordinate, kMetreDigits));
+  return numbers;
+}
+
+Json ground(const GroundEstimate& estimate) {
+  Json json = {{"state", to_string(estimate.state)}};
+  if (!estimate.reason.empty()) json["reason"] = estimate.reason;
+  json["confidence"] = rounded(estimate.confidence, 3);
+  const bool known = estimate.plane.has_value();
+  json["height_m"] = known ? rounded(estimate.pose.height_m, kMetreDigits) : Json();
+  json["pitch_deg"] = known ? rounded(estimate.pose.pitch_deg, kDegreeDigits) : Json();
+  json["roll_deg"] = known ? rounded(estimate.pose.roll_deg, kDegreeDigits) : Json();
+  return json;
+}
+
+// Type 2 is only inferred: nothing of the hole itself was measured.
+const char* evidence(CandidateType type) { return type == CandidateType::below_ground ? "observed" : "inferred"; }
+
+Json obstacle(const NegativeObstacle& obstacle) {
+  const Candidate& candidate = obstacle.candidate;
+  Json contour = Json::array();
+  for (const cv::Point& pixel : candidate.contour) contour.push_back({pixel.x, pixel.y});
+  return {{"id", obstacle.id},
+          {"type", to_string(candidate.type)},
+          {"evidence", evidence(candidate.type)},
+          {"kind", "unknown"},
+          {"rim_nearest", point(candidate.rim_nearest)},
+          {"distance_m", rounded(candidate.distance_m, kMetreDigits)},
+          {"bearing_deg", rounded(candidate.bearing_deg, kDegreeDigits)},
+          {"nearest", point(candidate.nearest)},
+          {"centroid", point(candidate.centroid)},
+          {"depth_m", candidate.depth_m ? rounded(*candidate.depth_m, kMetreDigits) : Json()},
+          {"width_m", rounded(candidate.width_m, kMetreDigits)},
+          {"area_px", candidate.area_px},
+          {"contour", contour},
+          {"track_length", obstacle.track_length}};
+}
+
+Json obstacles(const std::vector<NegativeObstacle>& list) {
+  Json json = Json::array();
+  for (const NegativeObstacle& one : list) json.push_back(obstacle(one));
+  return json;
+}
+
+Json rejected(const std::vector<Candidate>& list) {
+  Json json = Json::array();
+  for (const Candidate& candidate : list) {
+    const Rejection rejection = candidate.rejection.value_or(Rejection{});
+    json.push_back({{"type", to_string(candidate.type)},
+                    {"rule", rejection.rule},
+                    {"value", rounded(rejection.value, kMetreDigits)},
+                    {"limit", rounded(rejection.limit, kMetreDigits)},
+                    {"centroid", candidate.contour_3d.empty() ? Json() : point(candidate.centroid)},
+                    {"area_px", candidate.area_px}});
+  }
+  return json;
+}
+
+Json times(const StageTimes& times) {
+  return {{"disparity", rounded(times.disparity, kMillisecondDigits)},
+          {"ground", rounded(times.ground, kMillisecondDigits)},
+          {"below_ground", rounded(times.below_ground, kMillisecondDigits)},
+          {"no_disparity", rounded(times.no_disparity, kMillisecondDigits)},
+          {"total", rounded(times.total, kMillisecondDigits)}};
+}
+
+}  // namespace
+
+std::string to_json_line(const Detection& detection) {
+  Json json = {
+      {"frame", detection.frame}, {"time", rounded(detection.time, kTimeDigits)}, {"status", to_string(detection.status)}};
+  if (!detection.reason.empty()) json["reason"] = detection.reason;
+  json["ground"] = ground(detection.ground);
+  json["ego_motion"] = {{"state", "none"}};
+  json["obstacles"] = obstacles(detection.obstacles);
+  json["tracks"] = obstacles(detection.tracks);
+  json["rejected"] = rejected(detection.rejected);
+  json["times_ms"] = times(detection.times);
+  // File names in a reason may hold any bytes: what is no UTF-8 is replaced, a line of JSON must never fail.
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace brink

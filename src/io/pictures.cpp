@@ -1,0 +1,92 @@
+#include "brink/pictures.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "brink/disparity.hpp"
+#include "brink/files.hpp"
+#include "io/picture_header.hpp"
+
+namespace brink {
+namespace {
+
+cv::Mat decode(const PictureHeader& header) {
+  constexpr int kBits = 8;
+  if (header.bits > kBits) throw std::runtime_error(fmt::format("is a {}-bit picture, expected 8-bit", header.bits));
+  if (header.channels != 1 && header.channels != 3) {
+    throw std::runtime_error(fmt::format("has {} channels, expected 1 (grey) or 3 (colour)", header.channels));
+  }
+  const cv::Mat1b bytes(1, static_cast<int>(header.bytes.size()),
+                        const_cast<uchar*>(reinterpret_cast<const uchar*>(header.bytes.data())));  // only read
+  const int mode = header.channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR;
+  cv::Mat picture;
+  try {
+    picture = cv::imdecode(bytes, mode | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception& error) {
+    throw std::runtime_error(fmt::format("of {}x{} px cannot be decoded: {}", header.width, header.height, error.err));
+  }
+  if (picture.empty()) throw std::runtime_error("is damaged, cannot be decoded");
+  return picture;
+}
+
+std::string encode(const std::string& extension, const cv::Mat& picture) {
+  std::vector<uchar> bytes;
+  cv::imencode(extension, picture, bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace
+
+cv::Mat read_picture(const std::string& path) {
+  const std::string bytes = read_file(path);
+  try {
+    return decode(examine_picture(bytes));
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("{}: {}", path, error.what()));
+  }
+}
+
+std::string encode_png(const cv::Mat& picture) { return encode(".png", picture); }
+
+DisparityFormat disparity_format(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  if (extension == ".png") return DisparityFormat::png;
+  if (extension == ".pfm") return DisparityFormat::pfm;
+  throw std::invalid_argument(fmt::format("{}: extension \"{}\", expected .png or .pfm", path, extension));
+}
+
+std::string encode_disparity(const cv::Mat1f& disparity, DisparityFormat format) {
+  if (disparity.empty()) throw std::runtime_error("disparity image is empty");
+  if (format == DisparityFormat::pfm) {
+    cv::Mat1f stored = disparity.clone();
+    stored.setTo(std::numeric_limits<float>::infinity(), disparity < 0.0F);
+    return encode(".pfm", stored);
+  }
+  constexpr float kScale = 256.0F;
+  constexpr float kLargest = std::numeric_limits<std::uint16_t>::max();
+  cv::Mat1w stored(disparity.size());
+  for (int v = 0; v < disparity.rows; ++v) {
+    for (int u = 0; u < disparity.cols; ++u) {
+      const float value = disparity(v, u);
+      const float scaled = std::round(value * kScale);
+      if (scaled > kLargest) {
+        throw std::runtime_error(
+            fmt::format("disparity at ({}, {}) = {} px, a PNG holds at most 255.99: use .pfm", u, v, value));
+      }
+      stored(v, u) = value < 0.0F ? std::uint16_t{0} : static_cast<std::uint16_t>(std::max(scaled, 1.0F));
+    }
+  }
+  return encode_png(stored);
+}
+
+}  // namespace brink

@@ -1,0 +1,185 @@
+#include "brink/overlay.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include "brink/disparity.hpp"
+
+namespace brink {
+namespace {
+
+const cv::Scalar kGreen(0, 200, 0);
+const cv::Scalar kRed(0, 0, 255);
+const cv::Scalar kCyan(255, 255, 0);
+const cv::Scalar kMagenta(255, 0, 255);
+const cv::Scalar kGrey(160, 160, 160);
+const cv::Scalar kWhite(255, 255, 255);
+const cv::Scalar kBlack(0, 0, 0);
+
+cv::Mat3b left_picture(const Frame& frame) {
+  if (!frame.left_color.empty()) return frame.left_color.clone();
+  cv::Mat3b picture;
+  if (!frame.left.empty()) cv::cvtColor(frame.left, picture, cv::COLOR_GRAY2BGR);
+  return picture;
+}
+
+// Sizes of text and lines grow with the picture, so that it reads the same in a paper or on a phone.
+struct Pen {
+  double text = 0.0;  // font scale
+  int line = 1;       // px
+  explicit Pen(const cv::Mat& picture) : text(std::max(0.4, picture.cols / 1400.0)), line(std::max(1, picture.cols / 500)) {}
+};
+
+cv::Size text_size(const std::string& text, double scale, int line) {
+  int below = 0;
+  cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, line, &below);
+  size.height += below;
+  return size;
+}
+
+// Text with a dark outline, its top left corner near `corner`, moved as far as needed to stay inside the picture.
+void write(cv::Mat3b& picture, const std::string& text, cv::Point corner, double scale, int line, const cv::Scalar& color) {
+  const cv::Size size = text_size(text, scale, line);
+  const int margin = 2 * line;
+  corner.x = std::clamp(corner.x, margin, std::max(margin, picture.cols - size.width - margin));
+  corner.y = std::clamp(corner.y, margin, std::max(margin, picture.rows - size.height - margin));
+  const cv::Point base(corner.x, corner.y + size.height * 3 / 4);
+  cv::putText(picture, text, base, cv::FONT_HERSHEY_SIMPLEX, scale, kBlack, line + 2 * std::max(1, line), cv::LINE_AA);
+  cv::putText(picture, text, base, cv::FONT_HERSHEY_SIMPLEX, scale, color, line, cv::LINE_AA);
+}
+
+void tint(cv::Vec3b& pixel, const cv::Scalar& color, double share) {
+  for (int channel = 0; channel < 3; ++channel) {
+    pixel[channel] = cv::saturate_cast<uchar>((1.0 - share) * pixel[channel] + share * color[channel]);
+  }
+}
+
+void write_ground_state(cv::Mat3b& picture, const Detection& detection) {
+  const GroundEstimate& ground = detection.ground;
+  const Pen pen(picture);
+  std::string text = "ground " + to_string(ground.state);
+  std::replace(text.begin(), text.end(), '_', ' ');
+  if (detection.status != FrameStatus::ok) text = to_string(detection.status) + ": " + detection.reason;
+  if (ground.plane) text += fmt::format(" {:.2f} m, {:.1f} deg", ground.pose.height_m, ground.pose.pitch_deg);
+  if (!ground.reason.empty()) text += ": " + ground.reason;
+  const double fitting = pen.text * (picture.cols - 4.0 * pen.line) / std::max(1, text_size(text, pen.text, pen.line).width);
+  write(picture, text, {0, 0}, std::min(pen.text, fitting), pen.line, kWhite);
+}
+
+using Contours = std::vector<std::vector<cv::Point>>;
+
+void outline(cv::Mat3b& picture, const Candidate& candidate, const cv::Scalar& color, int line) {
+  if (!candidate.contour.empty()) cv::polylines(picture, Contours{candidate.contour}, true, color, line, cv::LINE_AA);
+}
+
+const cv::Scalar& color_of(CandidateType type) { return type == CandidateType::below_ground ? kCyan : kMagenta; }
+
+// The scale of disparities: a strip of the same colours, near on top, with the values at both ends.
+void draw_scale(cv::Mat3b& picture, float smallest, float greatest) {
+  const Pen pen(picture);
+  const cv::Rect strip(picture.cols - picture.cols / 20, picture.rows / 8, std::max(1, picture.cols / 40),
+                       picture.rows * 3 / 4);
+  cv::Mat1b levels(strip.size());
+  for (int v = 0; v < levels.rows; ++v) levels.row(v) = cv::saturate_cast<uchar>(255 - 255 * v / std::max(1, levels.rows - 1));
+  cv::Mat3b colors;
+  cv::applyColorMap(levels, colors, cv::COLORMAP_TURBO);
+  colors.copyTo(picture(strip));
+  cv::rectangle(picture, strip, kWhite, 1);
+  const int height = text_size("0 px", pen.text, pen.line).height;
+  write(picture, fmt::format("{:.0f} px", greatest), {picture.cols, strip.y - height - 2 * pen.line}, pen.text, pen.line,
+        kWhite);
+  write(picture, fmt::format("{:.0f} px", smallest), {picture.cols, strip.br().y + 2 * pen.line}, pen.text, pen.line, kWhite);
+}
+
+// The disparities that 1 % of the valid pixels lie below and above: single wild ones do not use up the colours.
+std::pair<float, float> robust_range(const cv::Mat1f& disparity) {
+  std::vector<float> values;
+  values.reserve(disparity.total());
+  std::copy_if(disparity.begin(), disparity.end(), std::back_inserter(values), [](float value) { return value >= 0.0F; });
+  if (values.empty()) return {0.0F, 1.0F};
+  const std::ptrdiff_t tail = static_cast<std::ptrdiff_t>(values.size() / 100);
+  std::nth_element(values.begin(), values.begin() + tail, values.end());
+  const float smallest = values[static_cast<std::size_t>(tail)];
+  std::nth_element(values.begin(), values.end() - 1 - tail, values.end());
+  const float greatest = *(values.end() - 1 - tail);
+  return {smallest, std::max(greatest, smallest + 1.0F)};
+}
+
+}  // namespace
+
+cv::Mat3b draw_ground(const Frame& frame, const Detection& detection, const CandidateParams& params) {
+  cv::Mat3b picture = left_picture(frame);
+  if (picture.empty()) return picture;
+  constexpr double kShare = 0.45;
+  for (int v = 0; v < detection.elevation.rows; ++v) {
+    for (int u = 0; u < detection.elevation.cols; ++u) {
+      const double elevation = detection.elevation(v, u);  // NaN, where there is none, is neither
+      if (elevation <= -params.min_depth_m) {
+        tint(picture(v, u), kRed, kShare);
+      } else if (std::abs(elevation) < params.ground_tolerance_m) {
+        tint(picture(v, u), kGreen, kShare);
+      }
+    }
+  }
+  write_ground_state(picture, detection);
+  return picture;
+}
+
+cv::Mat3b draw_disparity(const cv::Mat1f& disparity) {
+  cv::Mat3b picture;
+  if (disparity.empty()) return picture;
+  const auto [smallest, greatest] = robust_range(disparity);
+  const double scale = 255.0 / (greatest - smallest);
+  cv::Mat1b levels;
+  disparity.convertTo(levels, CV_8U, scale, -scale * smallest);
+  cv::applyColorMap(levels, picture, cv::COLORMAP_TURBO);
+  picture.setTo(kBlack, disparity < 0.0F);
+  draw_scale(picture, smallest, greatest);
+  return picture;
+}
+
+cv::Mat3b draw_candidates(const Frame& frame, const Detection& detection) {
+  cv::Mat3b picture = left_picture(frame);
+  if (picture.empty()) return picture;
+  const Pen pen(picture);
+  for (const Candidate& candidate : detection.rejected) {
+    outline(picture, candidate, kGrey, 1);
+    if (!candidate.rejection || candidate.contour.empty()) continue;
+    const cv::Rect box = cv::boundingRect(candidate.contour);
+    write(picture, candidate.rejection->rule, box.tl() + cv::Point(box.width + 2, 0), 0.6 * pen.text, 1, kGrey);
+  }
+  for (const Candidate& candidate : detection.candidates) outline(picture, candidate, color_of(candidate.type), pen.line);
+  return picture;
+}
+
+cv::Mat3b draw_obstacles(const Frame& frame, const Detection& detection) {
+  cv::Mat3b picture = left_picture(frame);
+  if (picture.empty()) return picture;
+  const Pen pen(picture);
+  cv::Mat1b filled(picture.size(), uchar{0});
+  for (const NegativeObstacle& obstacle : detection.obstacles) {
+    if (!obstacle.candidate.contour.empty()) cv::fillPoly(filled, Contours{obstacle.candidate.contour}, cv::Scalar(255));
+  }
+  picture.forEach([&filled](cv::Vec3b& pixel, const int* at) {
+    if (filled(at[0], at[1]) != 0) tint(pixel, kRed, 0.4);
+  });
+  for (const NegativeObstacle& obstacle : detection.obstacles) outline(picture, obstacle.candidate, kRed, pen.line);
+  for (const NegativeObstacle& obstacle : detection.obstacles) {
+    if (obstacle.candidate.contour.empty()) continue;
+    const cv::Rect box = cv::boundingRect(obstacle.candidate.contour);
+    const std::string text = fmt::format("{:.1f} m", obstacle.candidate.distance_m);
+    const cv::Size size = text_size(text, pen.text, pen.line);
+    const bool fits_right = box.br().x + 3 * pen.line + size.width < picture.cols;
+    const int x = fits_right ? box.br().x + 3 * pen.line : box.x - 3 * pen.line - size.width;
+    write(picture, text, {x, box.y + box.height / 2 - size.height / 2}, pen.text, pen.line, kWhite);
+  }
+  write_ground_state(picture, detection);
+  return picture;
+}
+
+}  // namespace brink
