@@ -43,6 +43,7 @@ DetectorParams DetectorParams::brink() { return {}; }
 DetectorParams DetectorParams::paper() {
   DetectorParams params;
   params.disparity.elas = ElasParams::paper();
+  params.candidates = CandidateParams::paper();
   return params;
 }
 

@@ -23,13 +23,18 @@ std::string to_string(CandidateType type);
 struct CandidateParams {
   double ground_tolerance_m = 0.10;    ///< T_g: a pixel nearer to the ground than this is a ground pixel
   double min_depth_m = 0.15;           ///< T_e1: Type 1 lies at least this far below the ground
+  double rim_depth_ratio = 0.4;        ///< Type 1 is drawn out to where the surface is this share of min_depth_m down; 1 = not
+  double min_slope_deg = 10.0;         ///< Type 1: a quarter of its rim must be steeper than a slope that people walk; 0 = any
   int below_ground_min_area_px = 150;  ///< T_a1: area must be greater
   int no_disparity_min_area_px = 150;  ///< T_a2: area must be greater
   int min_touching_px = 5;             ///< pixels of the other kind in the 1-px ring that count as touching
   double black_level = 20.0;           ///< Type 2: mean colour, maximum of B, G, R (or mean grey), at most this
-  double max_range_m = 8.0;            ///< candidates are looked for up to this distance in the ground plane
-  int min_listed_area_px = 30;         ///< smaller regions are specks: not even listed as rejected
-  void validate() const;               ///< @throws std::invalid_argument "candidates.name = value, must be ..."
+  int border_px = 10;           ///< Type 2 is looked for only where both cameras see the ground, this far from their edges
+  double max_range_m = 8.0;     ///< candidates are looked for up to this distance in the ground plane
+  int min_listed_area_px = 30;  ///< smaller regions are specks: not even listed as rejected
+
+  static CandidateParams paper();  ///< without what brink adds: rim_depth_ratio 1, min_slope_deg 0, border_px 0
+  void validate() const;           ///< @throws std::invalid_argument "candidates.name = value, must be ..."
 };
 
 /// The rule that a region failed, with its value and its limit. All in the unit that the rule's parameter has.
@@ -56,15 +61,15 @@ struct Candidate {
   std::optional<Rejection> rejection;  ///< empty = candidate; the first rule that failed otherwise
 };
 
-/// Section III.C.3, Type 1: 8-connected regions of valid pixels with elevation <= -min_depth_m.
+/// Section III.C.3, Type 1: 8-connected regions of valid pixels with elevation <= -min_depth_m, drawn out to their rim.
 /// @param elevation from compute_elevation, m, NaN = none. @param disparity px. Both of the size of frame.left.
 /// @return accepted and rejected regions, in the order of their first pixel row by row; empty when there is none.
 /// @throws std::invalid_argument when sizes differ or parameters are not valid.
 std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
                                            const GroundPlane& ground, const CandidateParams& params = {});
 
-/// Section III.C.3, Type 2: 8-connected regions of invalid pixels below the ground's horizon and within range, black.
-/// Arguments, order and errors as for select_below_ground.
+/// Section III.C.3, Type 2: 8-connected regions of invalid pixels below the ground's horizon and within range, where both
+/// cameras see the ground, black. Arguments, order and errors as for select_below_ground.
 std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
                                            const GroundPlane& ground, const CandidateParams& params = {});
 

@@ -9,6 +9,7 @@
 
 #include "brink/disparity.hpp"
 #include "candidates/region.hpp"
+#include "candidates/rim_slope.hpp"
 
 namespace brink {
 namespace {
@@ -35,6 +36,18 @@ cv::Mat1b compute_range_mask(const cv::Size& size, const GroundPose& pose, const
       const double x = (u - camera.cx) / camera.focal;
       const double descent = pose.down.x() * x + pose.down.y() * y + pose.down.z();
       mask(v, u) = descent > 0.0 && h2 * (x * x + y * y + 1.0) <= reach2 * descent * descent ? 255 : 0;
+    }
+  }
+  return mask;
+}
+
+/// 255 where both cameras see the ground, at least border_px away from the edges of their pictures. What only the left camera
+/// sees has no disparity either, but says nothing about a hole.
+cv::Mat1b compute_overlap_mask(const cv::Size& size, const GroundPlane& ground, int border_px) {
+  cv::Mat1b mask(size, uchar{0});
+  for (int v = border_px; v < size.height - border_px; ++v) {
+    for (int u = border_px; u < size.width - border_px; ++u) {
+      if (u - ground.disparity(u, v) >= border_px) mask(v, u) = 255;
     }
   }
   return mask;
@@ -107,6 +120,14 @@ cv::Scalar compute_mean_color(const Frame& frame, const Region& region) {
   return {grey, grey, grey};
 }
 
+/// Pixels of a region that are set in a mask of the picture's size.
+int count_common(const Region& region, const cv::Mat1b& mask) {
+  const cv::Rect in_picture = region.box & cv::Rect(cv::Point(0, 0), mask.size());
+  cv::Mat1b common;
+  cv::bitwise_and(mask(in_picture), region.mask(in_picture - region.box.tl()), common);
+  return cv::countNonZero(common);
+}
+
 double compute_depth(const Region& region, const cv::Mat1f& elevation) {
   std::vector<float> depths;
   for (int v = 0; v < region.mask.rows; ++v) {
@@ -142,6 +163,14 @@ Candidate measure(const Frame& frame, const Region& region, CandidateType type, 
 
 std::string to_string(CandidateType type) { return type == CandidateType::below_ground ? "below_ground" : "no_disparity"; }
 
+CandidateParams CandidateParams::paper() {
+  CandidateParams params;
+  params.rim_depth_ratio = 1.0;
+  params.min_slope_deg = 0.0;
+  params.border_px = 0;
+  return params;
+}
+
 void CandidateParams::validate() const {
   const auto require_param = [](bool valid, const char* name, double value, const char* expected) {
     if (!valid) throw std::invalid_argument(fmt::format("candidates.{} = {}, must be {}", name, value, expected));
@@ -149,10 +178,13 @@ void CandidateParams::validate() const {
   require_param(ground_tolerance_m > 0.0 && ground_tolerance_m <= 10.0, "ground_tolerance_m", ground_tolerance_m,
                 "above 0 to 10");
   require_param(min_depth_m > 0.0 && min_depth_m <= 10.0, "min_depth_m", min_depth_m, "above 0 to 10");
+  require_param(rim_depth_ratio > 0.0 && rim_depth_ratio <= 1.0, "rim_depth_ratio", rim_depth_ratio, "above 0 to 1");
+  require_param(min_slope_deg >= 0.0 && min_slope_deg < 90.0, "min_slope_deg", min_slope_deg, "0 to below 90");
   require_param(below_ground_min_area_px >= 0, "below_ground_min_area_px", below_ground_min_area_px, "0 or more");
   require_param(no_disparity_min_area_px >= 0, "no_disparity_min_area_px", no_disparity_min_area_px, "0 or more");
   require_param(min_touching_px >= 0, "min_touching_px", min_touching_px, "0 or more");
   require_param(black_level >= 0.0 && black_level <= 255.0, "black_level", black_level, "0 to 255");
+  require_param(border_px >= 0 && border_px <= 1000, "border_px", border_px, "0 to 1000");
   require_param(max_range_m > 0.0 && max_range_m <= 1000.0, "max_range_m", max_range_m, "above 0 to 1000");
   require_param(min_listed_area_px >= 1, "min_listed_area_px", min_listed_area_px, "1 or more");
 }
@@ -163,16 +195,24 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
   params.validate();
   const GroundPose pose = compute_ground_pose(ground, frame.camera);
   const cv::Mat1b range = compute_range_mask(elevation.size(), pose, frame.camera, params.max_range_m);
-  const cv::Mat1b mask((elevation <= -params.min_depth_m) & (disparity >= kLeastDisparity) & range);
+  const cv::Mat1b valid(disparity >= kLeastDisparity);
+  const cv::Mat1b deep((elevation <= -params.min_depth_m) & valid & range);
+  const cv::Mat1b low((elevation <= -params.min_depth_m * params.rim_depth_ratio) & valid & range);
+  const cv::Mat1b level(valid & ~low);
 
   std::vector<Candidate> candidates;
-  for (const Region& region : find_regions(mask, params.min_listed_area_px)) {
+  for (const Region& region : find_regions(low, params.min_listed_area_px)) {
+    const int deep_px = count_common(region, deep);
+    if (deep_px < params.min_listed_area_px) continue;
     Candidate candidate = measure(frame, region, CandidateType::below_ground, disparity, pose);
     candidate.depth_m = compute_depth(region, elevation);
     const Touching touching = count_touching(ring_pixels(region), disparity, elevation, params);
-    require(candidate, "area", region.area_px > params.below_ground_min_area_px, region.area_px,
-            params.below_ground_min_area_px);
+    require(candidate, "area", deep_px > params.below_ground_min_area_px, deep_px, params.below_ground_min_area_px);
     require(candidate, "touches_ground", touching.ground >= params.min_touching_px, touching.ground, params.min_touching_px);
+    if (params.min_slope_deg > 0.0) {
+      const double slope_deg = compute_rim_slope_deg(region, deep, level, disparity, frame.camera, pose);
+      require(candidate, "slope", slope_deg >= params.min_slope_deg, slope_deg, params.min_slope_deg);
+    }
     candidates.push_back(std::move(candidate));
   }
   return candidates;
@@ -184,7 +224,8 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
   params.validate();
   const GroundPose pose = compute_ground_pose(ground, frame.camera);
   const cv::Mat1b range = compute_range_mask(elevation.size(), pose, frame.camera, params.max_range_m);
-  const cv::Mat1b mask((disparity < kLeastDisparity) & range);
+  const cv::Mat1b overlap = compute_overlap_mask(elevation.size(), ground, params.border_px);
+  const cv::Mat1b mask((disparity < kLeastDisparity) & range & overlap);
 
   std::vector<Candidate> candidates;
   for (const Region& region : find_regions(mask, params.min_listed_area_px)) {

@@ -64,14 +64,14 @@ TEST_F(Candidates, AHoleIsMeasuredAtItsRim) {
     EXPECT_NEAR(hole.width_m, 1.0, 0.06);
     ASSERT_TRUE(hole.depth_m);
     EXPECT_NEAR(*hole.depth_m, 0.5, 0.01);
-    // The nearest point that lies low enough is on a side wall, 0.15 m down: behind the rim, at 2.0 m x (1 + 0.15 / 1.6).
+    // The nearest point is on a side wall, as far down as the region is drawn out (0.4 x 0.15 m), so behind the rim.
     const GroundPose pose = compute_ground_pose(plane_, camera_);
-    EXPECT_GE(pose.distance(hole.nearest), 2.0 * (1.0 + 0.15 / 1.6) - 0.02);
+    EXPECT_GE(pose.distance(hole.nearest), 2.0 * (1.0 + 0.06 / 1.6) - 0.02);
     EXPECT_LT(pose.distance(hole.nearest), 2.0 * (1.0 + 0.50 / 1.6) + 0.02);
     EXPECT_NEAR(pose.elevation(hole.rim_nearest), 0.0, 1e-9);
     EXPECT_NEAR(hole.bearing_deg, pose.bearing_deg(hole.rim_nearest), 1e-9);
-    EXPECT_EQ(hole.mean_color[0], 100.0);
-    EXPECT_EQ(hole.mean_color[2], 120.0);
+    EXPECT_NEAR(hole.mean_color[0], 100.0, 1e-9);
+    EXPECT_NEAR(hole.mean_color[2], 120.0, 1e-9);
   }
 }
 
@@ -94,6 +94,7 @@ TEST_F(Candidates, DepthMustReachTheThreshold) {
 }
 
 TEST_F(Candidates, SmallRegionsAreKeptWithTheRuleThatTheyFail) {
+  params_ = CandidateParams::paper();
   see({});
   elevation_(cv::Rect(300, 200, 15, 10)).setTo(-0.3F);  // 150 px: not greater than the limit
   const auto found = below_ground();
@@ -102,8 +103,7 @@ TEST_F(Candidates, SmallRegionsAreKeptWithTheRuleThatTheyFail) {
   EXPECT_EQ(found[0].rejection->rule, "area");
   EXPECT_EQ(found[0].rejection->value, 150.0);
   EXPECT_EQ(found[0].rejection->limit, 150.0);
-  elevation_(300 - 89, 300) = -0.3F;  // the 151st pixel, below the box: v = 211 would be apart
-  elevation_(210, 300) = -0.3F;
+  elevation_(210, 300) = -0.3F;  // the 151st pixel, below the box
   EXPECT_FALSE(below_ground()[0].rejection);
 }
 
@@ -133,7 +133,7 @@ TEST_F(Candidates, ABlackHoleWithoutDisparityIsType2) {
   EXPECT_FALSE(hole.rejection);
   EXPECT_EQ(hole.area_px, 600);
   EXPECT_FALSE(hole.depth_m);
-  EXPECT_EQ(hole.mean_color[2], 19.0);
+  EXPECT_NEAR(hole.mean_color[2], 19.0, 1e-9);
   // The contour is that of the dilated mask: one pixel outside, on valid pixels, so all of it has 3D positions.
   EXPECT_EQ(cv::boundingRect(hole.contour), cv::Rect(299, 199, 32, 22));
   EXPECT_EQ(hole.contour_3d.size(), hole.contour.size());
@@ -148,7 +148,7 @@ TEST_F(Candidates, GreyAboveTheLevelIsNotBlack) {
   ASSERT_EQ(found.size(), 1U);
   ASSERT_TRUE(found[0].rejection);
   EXPECT_EQ(found[0].rejection->rule, "black");
-  EXPECT_EQ(found[0].rejection->value, 21.0);
+  EXPECT_NEAR(found[0].rejection->value, 21.0, 1e-9);
   EXPECT_EQ(found[0].rejection->limit, 20.0);
 }
 
@@ -156,6 +156,56 @@ TEST_F(Candidates, InvalidPixelsAboveTheHorizonOrFarAwayAreNotCandidates) {
   see({});
   blacken({0, 0, 640, 1}, {0, 0, 0});
   EXPECT_TRUE(no_disparity().empty());
+}
+
+TEST_F(Candidates, WhatOnlyTheLeftCameraSeesIsNotACandidate) {
+  see({});
+  const int shared = static_cast<int>(plane_.disparity(0, 300));  // the right camera sees nothing left of this in row 300
+  blacken({0, 280, shared - 2, 40}, {0, 0, 0});
+  EXPECT_TRUE(no_disparity().empty());
+  blacken({0, 280, shared + 40, 40}, {0, 0, 0});
+  EXPECT_EQ(no_disparity().size(), 1U);
+}
+
+TEST_F(Candidates, ARampIsNotADropButAStepOfTheSameDepthIs) {
+  // Level for 2 m, then down by 8 degrees: what is 15 cm down there is no drop. A step down to 0.3 m is.
+  see({});
+  const GroundPose pose = compute_ground_pose(plane_, camera_);
+  for (int v = 0; v < disparity_.rows; ++v) {
+    for (int u = 0; u < disparity_.cols; ++u) {
+      const auto point = pose.intersect(u, v, camera_);
+      if (!point) continue;
+      // On the ray at stretch s: elevation h (1 - s), distance s x; on the ramp h (s - 1) = tan(8) (s x - 2).
+      const double x = pose.forward.dot(*point);
+      const double tangent = std::tan(8.0 * 3.14159265 / 180.0);
+      if (x < 2.0) continue;
+      const double stretch = (pose.height_m - 2.0 * tangent) / (pose.height_m - tangent * x);
+      disparity_(v, u) = static_cast<float>(plane_.disparity(u, v) / stretch);
+    }
+  }
+  elevation_ = compute_elevation(disparity_, plane_, camera_);
+  const auto ramp = below_ground();
+  ASSERT_EQ(ramp.size(), 1U);
+  ASSERT_TRUE(ramp[0].rejection);
+  EXPECT_EQ(ramp[0].rejection->rule, "slope");
+  EXPECT_LE(ramp[0].rejection->value, 8.01);  // along the line of fall; less where the rim is crossed aslant
+  EXPECT_GE(ramp[0].rejection->value, 7.0);
+  EXPECT_EQ(ramp[0].rejection->limit, 10.0);
+
+  see({{2.0, 100.0, -100.0, 100.0, 0.3}});
+  ASSERT_EQ(below_ground().size(), 1U);
+  EXPECT_FALSE(below_ground()[0].rejection);
+}
+
+TEST_F(Candidates, ARegionIsDrawnOutToItsRim) {
+  see({});
+  elevation_(cv::Rect(300, 190, 40, 60)).setTo(-0.10F);  // a slope of which only the middle is 15 cm deep
+  elevation_(cv::Rect(310, 200, 20, 30)).setTo(-0.20F);
+  ASSERT_EQ(below_ground().size(), 1U);
+  EXPECT_EQ(below_ground()[0].area_px, 40 * 60);
+  params_ = CandidateParams::paper();
+  ASSERT_EQ(below_ground().size(), 1U);
+  EXPECT_EQ(below_ground()[0].area_px, 20 * 30);
 }
 
 TEST_F(Candidates, AllInvalidTouchesNothing) {
@@ -205,7 +255,8 @@ TEST_F(Candidates, WrongArgumentsAreNamed) {
 }
 
 /// The naive twin of find_regions' labelling: flood fill over a queue.
-std::vector<int> flood_fill_areas(cv::Mat1b mask) {
+std::vector<int> flood_fill_areas(const cv::Mat1b& picture) {
+  cv::Mat1b mask = picture.clone();
   std::vector<int> areas;
   for (int v = 0; v < mask.rows; ++v) {
     for (int u = 0; u < mask.cols; ++u) {
@@ -242,13 +293,13 @@ TEST(Regions, AreThoseOfAFloodFillInRowOrder) {
       areas.push_back(region.area_px);
       EXPECT_EQ(cv::countNonZero(region.mask), region.area_px);
     }
-    EXPECT_EQ(areas, flood_fill_areas(mask.clone()));
+    EXPECT_EQ(areas, flood_fill_areas(mask));
   }
   EXPECT_TRUE(find_regions(cv::Mat1b(), 1).empty());
 }
 
 TEST(Regions, RingStaysInThePicture) {
-  cv::Mat1b mask = cv::Mat1b::zeros(5, 5);
+  cv::Mat1b mask(5, 5, uchar{0});
   mask(0, 0) = 255;
   const auto regions = find_regions(mask, 1);
   ASSERT_EQ(regions.size(), 1U);
@@ -256,7 +307,7 @@ TEST(Regions, RingStaysInThePicture) {
 }
 
 TEST(Regions, HolesInsideDoNotSplitThem) {
-  cv::Mat1b mask = cv::Mat1b::zeros(9, 9);
+  cv::Mat1b mask(9, 9, uchar{0});
   mask(cv::Rect(1, 1, 7, 7)).setTo(255);
   mask(cv::Rect(3, 3, 3, 3)).setTo(0);
   const auto regions = find_regions(mask, 1);
