@@ -114,7 +114,7 @@ Run add_bench(CLI::App& command) {
   add_input_options(command, options->input);
   command.add_option("--repeat", options->repeat, "Process all frames this many times")
       ->type_name("N")
-      ->check(CLI::Range(1, kMostRepeats))
+      ->check(CLI::Range(1, kMostRepeats).description(""))
       ->capture_default_str();
   command.add_flag("--json", options->json, "Print JSON instead of text");
   add_method_options(command, options->method);

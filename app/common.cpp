@@ -16,14 +16,14 @@ namespace brink::app {
 void add_method_options(CLI::App& command, MethodOptions& options) {
   command.add_option("--method", options.method, "brink: what measures best, or paper: the rules of the paper to the letter")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"brink", "paper"}))
+      ->check(CLI::IsMember({"brink", "paper"}).description(""))
       ->capture_default_str();
   command.add_option("--params", options.params, "File of parameters (YAML), as brink params --yaml writes it")
       ->type_name("FILE");
   command
       .add_option("--matcher", options.matcher, "Stereo matcher: elas, bm, sgbm or sgbm-wls. Without it that of the parameters")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"elas", "bm", "sgbm", "sgbm-wls"}));
+      ->check(CLI::IsMember({"elas", "bm", "sgbm", "sgbm-wls"}).description(""));
   command
       .add_option("--set", options.settings,
                   "Set one parameter, as in --set candidates.min_depth_m=0.01. May be given many times; brink params lists all")
@@ -76,7 +76,7 @@ void add_threads_option(CLI::App& command, int& threads) {
   constexpr int kMostThreads = 1024;
   command.add_option("--threads", threads, "Use at most this many threads. Without it all cores. Results do not depend on it")
       ->type_name("N")
-      ->check(CLI::Range(1, kMostThreads));
+      ->check(CLI::Range(1, kMostThreads).description(""));
 }
 
 std::unique_ptr<tbb::global_control> limit_threads(int threads) {

@@ -51,7 +51,7 @@ int run(int argc, char** argv) {
   app.formatter(std::make_shared<PlainFormatter>());
   app.set_version_flag("--version", "brink " BRINK_VERSION, "Print the version");
   app.set_help_flag("-h,--help", "Print this help");
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);  // checked below: CLI11's own message does not name a mistyped command
   app.footer(
       "brink COMMAND --help tells more about a command.\n"
       "Exit codes: 0 done, 1 the input cannot be used, 2 wrong use of the command.\n"
@@ -67,6 +67,10 @@ int run(int argc, char** argv) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
     say(fmt::format("{} (brink --help tells more)", error.what()));
+    return kExitUsage;
+  }
+  if (app.get_subcommands().empty()) {
+    say("no command given, expected detect, disparity, params or bench (brink --help tells more)");
     return kExitUsage;
   }
   return runs.at(app.get_subcommands().front())();

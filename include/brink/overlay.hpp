@@ -15,8 +15,8 @@ namespace brink {
 /// the ground is written at the top.
 cv::Mat3b draw_ground(const Frame& frame, const Detection& detection, const CandidateParams& params = {});
 
-/// Disparities in colour, from blue (far) to red (near), black = none, with a scale of pixels at the right. Empty for an empty
-/// image. @param disparity px, kInvalidDisparity = none.
+/// Disparities in colour, from blue (far) to red (near), black = none, with a scale of pixels at the right unless
+/// the picture is too small for it. Empty for an empty image. @param disparity px, kInvalidDisparity = none.
 cv::Mat3b draw_disparity(const cv::Mat1f& disparity);
 
 /// The left picture with contours: candidates of Type 1 cyan, of Type 2 magenta, rejected regions thin grey with the rule that

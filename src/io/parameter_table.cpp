@@ -94,6 +94,12 @@ std::vector<ParameterEntry> candidates_table(CandidateParams& p) {
        "pixels of the other kind in the ring around a region that count as touching"},
       {"candidates.black_level", &p.black_level, "grey levels",
        "Type 2: mean colour, greatest of blue, green and red, is at most this"},
+      {"candidates.rim_depth_ratio", &p.rim_depth_ratio, "share of min_depth_m",
+       "Type 1 is drawn out to where the surface is this deep; 1 = not"},
+      {"candidates.min_slope_deg", &p.min_slope_deg, "degrees",
+       "Type 1: a quarter of its rim must be steeper than this; 0 = any"},
+      {"candidates.border_px", &p.border_px, "px",
+       "Type 2 is looked for this far inside of what both cameras see of the ground"},
       {"candidates.max_range_m", &p.max_range_m, "m", "candidates are looked for up to this distance in the ground plane"},
       {"candidates.min_listed_area_px", &p.min_listed_area_px, "px", "smaller regions are not even listed as rejected"},
   };

@@ -104,11 +104,13 @@ void collect_settings(const YAML::Node& node, const std::string& key, std::vecto
       const std::string name = item.first.IsScalar() ? item.first.Scalar() : "?";
       collect_settings(item.second, key.empty() ? name : fmt::format("{}.{}", key, name), settings);
     }
-  } else if (node.IsScalar() && !key.empty()) {
+  } else if (key.empty()) {
+    throw std::invalid_argument("holds no parameters, expected lines like \"elas: {max_disparity: 128}\"");
+  } else if (node.IsScalar()) {
     settings.emplace_back(key, node.Scalar());
   } else {
-    throw std::invalid_argument(fmt::format("line {}: {} has no value, expected one number, word or group",
-                                            node.Mark().line + 1, key.empty() ? "the file" : key));
+    throw std::invalid_argument(
+        fmt::format("line {}: {} has no value, expected a number or a word", node.Mark().line + 1, key));
   }
 }
 

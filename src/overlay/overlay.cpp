@@ -18,6 +18,7 @@ const cv::Scalar kRed(0, 0, 255);
 const cv::Scalar kCyan(255, 255, 0);
 const cv::Scalar kMagenta(255, 0, 255);
 const cv::Scalar kGrey(160, 160, 160);
+const cv::Scalar kLightGrey(225, 225, 225);
 const cv::Scalar kWhite(255, 255, 255);
 const cv::Scalar kBlack(0, 0, 0);
 
@@ -81,6 +82,8 @@ const cv::Scalar& color_of(CandidateType type) { return type == CandidateType::b
 
 // The scale of disparities: a strip of the same colours, near on top, with the values at both ends.
 void draw_scale(cv::Mat3b& picture, float smallest, float greatest) {
+  constexpr int kSmallest = 80;  // px: below that there is no room for a scale
+  if (picture.cols < kSmallest || picture.rows < kSmallest) return;
   const Pen pen(picture);
   const cv::Rect strip(picture.cols - picture.cols / 20, picture.rows / 8, std::max(1, picture.cols / 40),
                        picture.rows * 3 / 4);
@@ -151,7 +154,7 @@ cv::Mat3b draw_candidates(const Frame& frame, const Detection& detection) {
     outline(picture, candidate, kGrey, 1);
     if (!candidate.rejection || candidate.contour.empty()) continue;
     const cv::Rect box = cv::boundingRect(candidate.contour);
-    write(picture, candidate.rejection->rule, box.tl() + cv::Point(box.width + 2, 0), 0.6 * pen.text, 1, kGrey);
+    write(picture, candidate.rejection->rule, box.tl() + cv::Point(box.width + 2, 0), 0.7 * pen.text, 1, kLightGrey);
   }
   for (const Candidate& candidate : detection.candidates) outline(picture, candidate, color_of(candidate.type), pen.line);
   return picture;

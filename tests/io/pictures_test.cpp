@@ -1,0 +1,132 @@
+#include "brink/pictures.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "brink/disparity.hpp"
+#include "expect_error.hpp"
+#include "temporary_folder.hpp"
+
+namespace brink {
+namespace {
+
+cv::Mat noise(int type, cv::Size size = {37, 23}) {
+  cv::Mat picture(size, type);
+  cv::theRNG().state = 7;
+  cv::randu(picture, cv::Scalar::all(0), cv::Scalar::all(255));
+  return picture;
+}
+
+std::string encoded(const std::string& extension, const cv::Mat& picture, const std::vector<int>& options = {}) {
+  std::vector<uchar> bytes;
+  cv::imencode(extension, picture, bytes, options);
+  return {bytes.begin(), bytes.end()};
+}
+
+cv::Mat read(const std::string& bytes) {
+  const test::TemporaryFolder folder;
+  return read_picture(folder.add("picture", bytes));
+}
+
+std::string fault(const std::string& bytes) {
+  return test::error_of<std::runtime_error>([&] { read(bytes); });
+}
+
+TEST(ReadPicture, ReadsGreyAndColourPng) {
+  for (const int type : {CV_8UC1, CV_8UC3}) {
+    const cv::Mat picture = noise(type);
+    const cv::Mat again = read(encoded(".png", picture));
+    ASSERT_EQ(again.type(), type);
+    EXPECT_EQ(cv::norm(again, picture, cv::NORM_INF), 0.0);
+  }
+}
+
+TEST(ReadPicture, ReadsGreyColourAndProgressiveJpeg) {
+  const cv::Mat flat(23, 37, CV_8UC1, cv::Scalar(90));
+  EXPECT_LE(cv::norm(read(encoded(".jpg", flat)), flat, cv::NORM_INF), 2.0);
+  EXPECT_EQ(read(encoded(".jpg", noise(CV_8UC3))).type(), CV_8UC3);
+  const cv::Mat progressive =
+      read(encoded(".jpg", noise(CV_8UC3), {cv::IMWRITE_JPEG_PROGRESSIVE, 1, cv::IMWRITE_JPEG_RST_INTERVAL, 2}));
+  EXPECT_EQ(progressive.size(), cv::Size(37, 23));
+}
+
+TEST(ReadPicture, ReadsASinglePixel) { EXPECT_EQ(read(encoded(".png", noise(CV_8UC1, {1, 1}))).size(), cv::Size(1, 1)); }
+
+TEST(ReadPicture, RefusesEveryTruncatedPng) {
+  const std::string whole = encoded(".png", noise(CV_8UC1));
+  for (std::size_t length = 8; length < whole.size(); ++length) {
+    test::expect_line_with(fault(whole.substr(0, length)), "is a truncated PNG picture");
+  }
+}
+
+TEST(ReadPicture, RefusesEveryTruncatedJpeg) {
+  const std::string whole = encoded(".jpg", noise(CV_8UC3));
+  for (std::size_t length = 3; length < whole.size(); ++length) {
+    test::expect_line_with(fault(whole.substr(0, length)), "is a truncated JPEG picture");
+  }
+}
+
+TEST(ReadPicture, RefusesDamagedPictures) {
+  std::string png = encoded(".png", noise(CV_8UC1));
+  png[png.size() / 2] = static_cast<char>(png[png.size() / 2] ^ 1);
+  test::expect_line_with(fault(png), "is a damaged PNG picture: wrong check sum");
+  std::string jpeg = encoded(".jpg", noise(CV_8UC1));
+  jpeg[2 + 2 + 16] = 'x';  // the marker after the first segment, which is 16 bytes long
+  test::expect_line_with(fault(jpeg), "is a damaged JPEG picture");
+}
+
+TEST(ReadPicture, RefusesWhatCannotBeMatched) {
+  test::expect_line_with(fault(encoded(".png", noise(CV_16UC1))), "is a 16-bit picture, expected 8-bit");
+  test::expect_line_with(fault(encoded(".png", noise(CV_8UC4))), "has 4 channels, expected 1 (grey) or 3 (colour)");
+  test::expect_line_with(fault(""), "is empty, expected a PNG or JPEG picture");
+  test::expect_line_with(fault("hello"), "is not a PNG or JPEG picture");
+  test::expect_line_with(fault(encoded(".bmp", noise(CV_8UC3))), "is not a PNG or JPEG picture");
+  test::expect_line_with(test::error_of<std::runtime_error>([] { read_picture("/nowhere.png"); }),
+                         "/nowhere.png: no such file");
+}
+
+TEST(EncodeDisparity, WritesPngAs256thsWithZeroForNone) {
+  const cv::Mat1f disparity = (cv::Mat1f(1, 4) << kInvalidDisparity, 0.0F, 1.5F, 255.99F);
+  const std::string bytes = encode_disparity(disparity, DisparityFormat::png);
+  const cv::Mat1w stored = cv::imdecode(std::vector<uchar>(bytes.begin(), bytes.end()), cv::IMREAD_UNCHANGED);
+  EXPECT_EQ(std::vector<std::uint16_t>(stored.begin(), stored.end()), (std::vector<std::uint16_t>{0, 1, 384, 65533}));
+}
+
+TEST(EncodeDisparity, RefusesAPngThatCannotHoldTheDisparity) {
+  const cv::Mat1f disparity = (cv::Mat1f(1, 2) << 1.0F, 256.0F);
+  const auto encode = [&disparity] { encode_disparity(disparity, DisparityFormat::png); };
+  test::expect_line_with(test::error_of<std::runtime_error>(encode),
+                         "disparity at (1, 0) = 256 px, a PNG holds at most 255.99: use .pfm");
+}
+
+TEST(EncodeDisparity, WritesPfmAsFloatWithInfinityForNone) {
+  const cv::Mat1f disparity = (cv::Mat1f(2, 2) << kInvalidDisparity, 0.0F, 1.5F, 300.25F);
+  const std::string bytes = encode_disparity(disparity, DisparityFormat::pfm);
+  EXPECT_EQ(bytes.substr(0, 3), "Pf\n");
+  const cv::Mat1f stored = cv::imdecode(std::vector<uchar>(bytes.begin(), bytes.end()), cv::IMREAD_UNCHANGED);
+  EXPECT_TRUE(std::isinf(stored(0, 0)));
+  EXPECT_EQ(stored(0, 1), 0.0F);
+  EXPECT_EQ(stored(1, 0), 1.5F);
+  EXPECT_EQ(stored(1, 1), 300.25F);
+}
+
+TEST(EncodeDisparity, RefusesAnEmptyImage) {
+  EXPECT_THROW(encode_disparity(cv::Mat1f(), DisparityFormat::pfm), std::runtime_error);
+}
+
+TEST(DisparityFormat, IsToldByTheExtension) {
+  EXPECT_EQ(disparity_format("a/b.PNG"), DisparityFormat::png);
+  EXPECT_EQ(disparity_format("b.pfm"), DisparityFormat::pfm);
+  test::expect_line_with(test::error_of<std::invalid_argument>([] { disparity_format("b.tiff"); }),
+                         "b.tiff: extension \".tiff\", expected .png or .pfm");
+}
+
+}  // namespace
+}  // namespace brink
