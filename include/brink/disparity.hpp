@@ -29,7 +29,7 @@ struct ElasParams {
   double gamma = 3.0;                  ///< constant of the prior
   double sigma_px = 1.0;               ///< standard deviation of the prior
   double prior_radius = 2.0;           ///< range around the prior's plane that is searched, in sigmas
-  int match_texture = 10;              ///< least mean texture around a pixel for dense matching
+  int match_texture = 8;               ///< least mean texture around a pixel for dense matching
   int texture_radius_px = 4;           ///< half window of that mean
   double match_margin = 0.03;          ///< least energy must be below (1 - margin) times that of any disparity further than
                                        ///< 1 px away; 0 = no test
@@ -66,11 +66,11 @@ struct BmParams {
 struct SgbmParams {
   int max_disparity = 255;           ///< px, inclusive
   int block_size_px = 5;             ///< odd, 1..11
-  int uniqueness_percent = 10;       ///< best cost must win by this much
+  int uniqueness_percent = 15;       ///< best cost must win by this much
   int consistency_threshold_px = 1;  ///< left-right tolerance
   int speckle_size_px = 200;         ///< smaller segments are removed
   int speckle_range_px = 1;          ///< disparity difference inside one segment
-  double wls_lambda = 8000.0;        ///< smoothness of the weighted-least-squares filter (`sgbm-wls`)
+  double wls_lambda = 100.0;         ///< smoothness of the weighted-least-squares filter (`sgbm-wls`)
   double wls_sigma = 1.5;            ///< its sensitivity to image edges
   void validate() const;             ///< @throws std::invalid_argument "sgbm.name = value, must be ..."
 };
