@@ -10,30 +10,34 @@ namespace brink {
 /// Disparity images are float, in pixels; a pixel without one holds exactly this.
 inline constexpr float kInvalidDisparity = -1.0F;
 
-/// Parameters of ELAS (Geiger, Roser, Urtasun, ACCV 2010); defaults are the paper's "robotics" setting plus brink's sub-pixel
-/// refinement and margin test. docs/algorithm.md lists every deviation.
+/// Parameters of ELAS (Geiger, Roser, Urtasun, ACCV 2010); defaults are what measured best, close to the paper's "robotics"
+/// setting. docs/algorithm.md lists every deviation.
 struct ElasParams {
-  int min_disparity = 0;               ///< px, smallest disparity tried
+  int min_disparity = 0;               ///< px, smallest disparity of support points
   int max_disparity = 255;             ///< px, largest disparity tried (inclusive)
   double support_threshold = 0.85;     ///< best cost of a support point must be below this times the second best
+  int support_exclusion_px = 2;        ///< disparities this near to the best do not count as second best
   int support_texture = 10;            ///< least texture (sum of 16 gradient magnitudes) of a support point
   int candidate_step_px = 5;           ///< grid step of support candidates
   int inconsistency_window = 5;        ///< half window of the consistency test, grid cells
   int inconsistency_threshold_px = 5;  ///< two support points agree up to this difference
-  int inconsistency_min_support = 5;   ///< least number of agreeing support points (the point itself counts)
+  int inconsistency_min_support = 8;   ///< least number of agreeing support points (the point itself counts)
   bool add_corners = false;            ///< support points in the image corners, and extrapolation to the borders
   int grid_size_px = 20;               ///< cell size of the disparity candidates taken from nearby support points
+  bool match_outside = true;           ///< pixels outside all triangles are matched among those candidates alone
   double beta = 0.02;                  ///< weight of the likelihood
   double gamma = 3.0;                  ///< constant of the prior
   double sigma_px = 1.0;               ///< standard deviation of the prior
   double prior_radius = 2.0;           ///< range around the prior's plane that is searched, in sigmas
-  int match_texture = 1;               ///< least texture for dense matching
-  double match_margin =
-      0.0;  ///< dense: best cost must be below (1 - margin) times the best one further than 1 px away; 0 = no test
+  int match_texture = 8;               ///< least mean texture around a pixel for dense matching
+  int texture_radius_px = 4;           ///< half window of that mean
+  double match_margin = 0.03;          ///< least energy must be below (1 - margin) times that of any disparity further than
+                                       ///< 1 px away; 0 = no test
   int consistency_threshold_px = 2;    ///< left-right tolerance, support and dense
   double speckle_similarity_px = 1.0;  ///< neighbours closer than this belong to one segment
   int speckle_size_px = 200;           ///< smaller segments are removed
-  int gap_width_px = 3;                ///< longest gap that is interpolated
+  int gap_width_px = 5;                ///< longest gap that is interpolated
+  bool fill_across_steps = false;      ///< gaps between two surfaces are filled as well, with the farther one's disparity
   bool filter_median = false;          ///< 7-tap separable median
   bool filter_adaptive_mean = true;    ///< edge-preserving mean
   bool subpixel = true;                ///< refine each disparity below one pixel
@@ -62,11 +66,11 @@ struct BmParams {
 struct SgbmParams {
   int max_disparity = 255;           ///< px, inclusive
   int block_size_px = 5;             ///< odd, 1..11
-  int uniqueness_percent = 10;       ///< best cost must win by this much
+  int uniqueness_percent = 15;       ///< best cost must win by this much
   int consistency_threshold_px = 1;  ///< left-right tolerance
   int speckle_size_px = 200;         ///< smaller segments are removed
   int speckle_range_px = 1;          ///< disparity difference inside one segment
-  double wls_lambda = 8000.0;        ///< smoothness of the weighted-least-squares filter (`sgbm-wls`)
+  double wls_lambda = 100.0;         ///< smoothness of the weighted-least-squares filter (`sgbm-wls`)
   double wls_sigma = 1.5;            ///< its sensitivity to image edges
   void validate() const;             ///< @throws std::invalid_argument "sgbm.name = value, must be ..."
 };

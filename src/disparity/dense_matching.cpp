@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
 
+#include <opencv2/imgproc.hpp>
 #include <tbb/parallel_for.h>
 
 namespace brink {
@@ -38,93 +41,120 @@ std::array<SupportPoint, 3> corners_of(const Triangle& triangle, const std::vect
   return {corner(0), corner(1), corner(2)};
 }
 
-/// The prior -ln(gamma + exp(-x^2 / 2 sigma^2)) in units of the cost, for x = 0, 1, .. radius px off the plane; 0 for a
-/// disparity without a prior (ACCV 2010, eq. 5 and 9).
-std::vector<float> make_prior(const ElasParams& params) {
+/// How much a disparity that lies x = 0, 1, .. px off the plane costs more than one on the plane, in units of the matching
+/// cost: the logarithm of the prior gamma + exp(-x^2 / 2 sigma^2) (ACCV 2010, eq. 5 and 9).
+struct Penalty {
+  std::vector<float> near_plane;  ///< of x = 0 up to the radius of the search
+  float elsewhere = 0.0F;         ///< without a prior
+};
+
+Penalty make_penalty(const ElasParams& params) {
+  const auto penalty = [&params](double gauss) {
+    return static_cast<float>((std::log(params.gamma + 1.0) - std::log(params.gamma + gauss)) / params.beta);
+  };
   const int radius = std::max(static_cast<int>(std::ceil(params.sigma_px * params.prior_radius)), 2);
-  std::vector<float> prior;
+  Penalty result;
   for (int x = 0; x <= radius; ++x) {
-    const double gauss = std::exp(-x * x / (2.0 * params.sigma_px * params.sigma_px));
-    prior.push_back(static_cast<float>((std::log(params.gamma) - std::log(params.gamma + gauss)) / params.beta));
+    result.near_plane.push_back(penalty(std::exp(-x * x / (2.0 * params.sigma_px * params.sigma_px))));
   }
-  return prior;
+  result.elsewhere = penalty(0.0);
+  return result;
 }
 
 /// Matches the pixels of one row, one after the other.
 class RowMatcher {
  public:
-  RowMatcher(View view, const Descriptor* image, const Descriptor* other, int width, const std::vector<float>& prior,
+  RowMatcher(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const Penalty& penalty,
              const ElasParams& params)
-      : direction_(view == View::left ? -1 : 1), image_(image), other_(other), width_(width), prior_(prior), params_(params) {}
+      : direction_(view == View::left ? -1 : 1),
+        width_(image.width()),
+        image_(image.row(v)),
+        other_(other.row(v)),
+        penalty_(penalty),
+        params_(params) {}
 
+  /// @param expected disparity of the plane, px; none outside all triangles.
+  /// @param reliable whether the plane is.
   /// @param nearby disparities to be tried besides those near the plane, ascending.
-  float match(int u, float plane_disparity, bool reliable, const std::vector<int>& nearby) {
-    if (compute_texture(image_[u]) < params_.match_texture) return kInvalidDisparity;
+  float match(int u, std::optional<float> expected, bool reliable, const std::vector<int>& nearby) {
     const int largest = std::min(params_.max_disparity, direction_ < 0 ? u : width_ - 1 - u);
-    const int radius = static_cast<int>(prior_.size()) - 1;
-    const int center = static_cast<int>(std::lround(std::clamp(plane_disparity, -1e6F, 1e6F)));
-    const int first = std::max(center - radius, 0);
-    const int last = std::min(center + radius, largest);
-    candidates_.clear();
+    const cv::Range planar = expected ? range_around(*expected, largest) : cv::Range(0, 0);
+    energies_.clear();
     for (const int d : nearby) {
-      if (d <= largest && (d < first || d > last)) add_candidate(u, d, 0.0F);
+      if (d <= largest && (d < planar.start || d >= planar.end)) add(d, cost(u, d), penalty_.elsewhere);
     }
-    for (int d = first; d <= last; ++d) {
-      add_candidate(u, d, reliable ? prior_[static_cast<std::size_t>(std::abs(d - center))] : 0.0F);
+    for (int d = planar.start; d < planar.end; ++d) {
+      const auto off_plane = static_cast<std::size_t>(std::abs(d - round(*expected)));
+      add(d, cost(u, d), reliable ? penalty_.near_plane[off_plane] : penalty_.elsewhere);
     }
-    if (candidates_.empty()) return kInvalidDisparity;
-    const Candidate best = *std::min_element(candidates_.begin(), candidates_.end(),
-                                             [](const Candidate& a, const Candidate& b) { return a.energy < b.energy; });
+    if (energies_.empty()) return kInvalidDisparity;
+    const Energy best = *std::min_element(energies_.begin(), energies_.end(),
+                                          [](const Energy& a, const Energy& b) { return a.energy < b.energy; });
     if (is_ambiguous(best)) return kInvalidDisparity;
-    return params_.subpixel ? refine(u, best, largest) : static_cast<float>(best.disparity);
+    return params_.subpixel ? refine(u, best.disparity, largest) : static_cast<float>(best.disparity);
   }
 
  private:
-  struct Candidate {
+  struct Energy {
     int disparity = 0;
-    int cost = 0;
-    float energy = 0.0F;
+    float energy = 0.0F;  ///< cost + penalty, >= 0
   };
+
+  /// A plane that is nearly upright may expect any number.
+  static int round(float disparity) { return static_cast<int>(std::lround(std::clamp(disparity, -1e6F, 1e6F))); }
+
+  [[nodiscard]] cv::Range range_around(float expected, int largest) const {
+    const int radius = static_cast<int>(penalty_.near_plane.size()) - 1;
+    return {std::max(round(expected) - radius, 0), std::min(round(expected) + radius, largest) + 1};
+  }
 
   [[nodiscard]] int cost(int u, int d) const { return compute_cost(image_[u], other_[u + direction_ * d]); }
 
-  void add_candidate(int u, int d, float prior) {
-    const int c = cost(u, d);
-    candidates_.push_back({d, c, static_cast<float>(c) + prior});
-  }
+  void add(int d, int cost, float penalty) { energies_.push_back({d, static_cast<float>(cost) + penalty}); }
 
   /// Whether a disparity further than 1 px away would do nearly as well.
-  [[nodiscard]] bool is_ambiguous(const Candidate& best) const {
+  [[nodiscard]] bool is_ambiguous(const Energy& best) const {
     if (params_.match_margin <= 0.0) return false;
-    int second_cost = std::numeric_limits<int>::max();
-    for (const Candidate& candidate : candidates_) {
-      if (std::abs(candidate.disparity - best.disparity) > 1) second_cost = std::min(second_cost, candidate.cost);
-    }
-    return best.cost >= (1.0 - params_.match_margin) * second_cost;
+    return std::any_of(energies_.begin(), energies_.end(), [&](const Energy& rival) {
+      return std::abs(rival.disparity - best.disparity) > 1 && best.energy >= (1.0 - params_.match_margin) * rival.energy;
+    });
   }
 
   /// Moves a disparity by up to half a pixel, to the tip of two lines of equal and opposite slope through the costs of it and
   /// its neighbours: an L1 cost is such a wedge, not a parabola.
-  [[nodiscard]] float refine(int u, const Candidate& best, int largest) const {
-    const auto whole = static_cast<float>(best.disparity);
-    if (best.disparity < 1 || best.disparity >= largest) return whole;
-    const int below = cost(u, best.disparity - 1);
-    const int above = cost(u, best.disparity + 1);
-    const int rise = std::max(below, above) - best.cost;
-    if (std::min(below, above) < best.cost || rise == 0) return whole;
-    return whole + static_cast<float>(below - above) / static_cast<float>(2 * rise);
+  [[nodiscard]] float refine(int u, int d, int largest) const {
+    const auto whole = static_cast<float>(d);
+    if (d < 1 || d >= largest) return whole;
+    const int below = cost(u, d - 1);
+    const int above = cost(u, d + 1);
+    const int rise = std::max(below, above) - cost(u, d);
+    if (rise <= 0) return whole;
+    return whole + std::clamp(static_cast<float>(below - above) / static_cast<float>(2 * rise), -0.5F, 0.5F);
   }
 
   int direction_;
+  int width_;
   const Descriptor* image_;
   const Descriptor* other_;
-  int width_;
-  const std::vector<float>& prior_;
+  const Penalty& penalty_;
   const ElasParams& params_;
-  std::vector<Candidate> candidates_;
+  std::vector<Energy> energies_;
 };
 
 }  // namespace
+
+cv::Mat1b find_textured(const DescriptorImage& image, const ElasParams& params) {
+  cv::Mat1s texture(image.height(), image.width());
+  for (int v = 0; v < texture.rows; ++v) {
+    for (int u = 0; u < texture.cols; ++u) texture(v, u) = static_cast<std::int16_t>(compute_texture(image.row(v)[u]));
+  }
+  const int window = 2 * params.texture_radius_px + 1;
+  cv::Mat1i sum;
+  cv::boxFilter(texture, sum, CV_32S, {window, window}, {-1, -1}, false, cv::BORDER_REPLICATE);
+  cv::Mat1b textured;
+  cv::compare(sum, params.match_texture * window * window, textured, cv::CMP_GE);
+  return textured;
+}
 
 std::vector<PriorPlane> fit_planes(View view, const std::vector<SupportPoint>& points, const std::vector<Triangle>& triangles) {
   std::vector<PriorPlane> planes;
@@ -188,16 +218,20 @@ cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorI
   const std::vector<PriorPlane> planes = fit_planes(view, points, triangles);
   const cv::Mat1i labels = label_triangles(points, triangles, size);
   const CandidateGrid grid = make_candidate_grid(points, size, params);
-  const std::vector<float> prior = make_prior(params);
+  const cv::Mat1b textured = find_textured(image, params);
+  const Penalty penalty = make_penalty(params);
 
   cv::Mat1f disparity(size, kInvalidDisparity);
   tbb::parallel_for(0, size.height, [&](int v) {
-    RowMatcher row(view, image.row(v), other.row(v), size.width, prior, params);
+    RowMatcher row(view, image, other, v, penalty, params);
     for (int u = 0; u < size.width; ++u) {
-      if (labels(v, u) < 0) continue;
-      const PriorPlane& plane = planes[static_cast<std::size_t>(labels(v, u))];
-      const float expected = plane.a * static_cast<float>(u) + plane.b * static_cast<float>(v) + plane.c;
-      disparity(v, u) = row.match(u, expected, plane.reliable, grid.at(u, v));
+      if (textured(v, u) == 0) continue;
+      if (labels(v, u) >= 0) {
+        const PriorPlane& plane = planes[static_cast<std::size_t>(labels(v, u))];
+        disparity(v, u) = row.match(u, plane.disparity(u, v), plane.reliable, grid.at(u, v));
+      } else if (params.match_outside) {
+        disparity(v, u) = row.match(u, std::nullopt, false, grid.at(u, v));
+      }
     }
   });
   return disparity;

@@ -21,6 +21,7 @@ struct PriorPlane {
   float b = 0.0F;
   float c = 0.0F;
   bool reliable = false;  ///< not too slanted in either view to be one surface
+  [[nodiscard]] float disparity(int u, int v) const { return a * static_cast<float>(u) + b * static_cast<float>(v) + c; }
 };
 
 /// The plane through the corners of each triangle.
@@ -43,9 +44,13 @@ struct CandidateGrid {
 /// The disparities of the support points in a cell and in its up to 8 neighbours, each with d - 1 and d + 1.
 CandidateGrid make_candidate_grid(const std::vector<SupportPoint>& points, cv::Size size, const ElasParams& params);
 
+/// Where the mean texture of the window around a pixel is at least match_texture: 255, elsewhere 0. A single pixel on a weakly
+/// textured surface may have none by chance, and one without any surface may have some by noise; their surroundings tell.
+cv::Mat1b find_textured(const DescriptorImage& image, const ElasParams& params);
+
 /// The most probable disparity of every pixel of a view, given its plane and the descriptors (ACCV 2010, section 4;
 /// algorithms.md A.6). @param points of that view.
-/// @return kInvalidDisparity outside the triangles, without texture, and where the match is ambiguous.
+/// @return kInvalidDisparity without texture, where the match is ambiguous, and where there is no candidate.
 cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorImage& other,
                       const std::vector<SupportPoint>& points, const ElasParams& params);
 

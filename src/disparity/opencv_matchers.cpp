@@ -1,5 +1,7 @@
 #include "disparity/opencv_matchers.hpp"
 
+#include <algorithm>
+
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/ximgproc/disparity_filter.hpp>
@@ -98,22 +100,22 @@ class SgbmWlsMatcher : public StereoMatcher {
     const cv::Mat1b padded_left = pad(left, columns);
     const cv::Mat1b padded_right = pad(right, columns);
 
-    // The filter fills all it is given; what the plain matcher would not tell must therefore be taken out again. It also turns
-    // off the uniqueness test of the matcher it is made for, hence the two.
-    cv::Mat1s sure;
-    make_sgbm(params_)->compute(padded_left, padded_right, sure);
-
     const cv::Ptr<cv::StereoSGBM> left_matcher = make_sgbm(params_);
-    const cv::Ptr<cv::ximgproc::DisparityWLSFilter> filter = cv::ximgproc::createDisparityWLSFilter(left_matcher);
-    filter->setLambda(params_.wls_lambda);
-    filter->setSigmaColor(params_.wls_sigma);
     cv::Mat1s left_disparity;
     cv::Mat1s right_disparity;
     left_matcher->compute(padded_left, padded_right, left_disparity);
     cv::ximgproc::createRightMatcher(left_matcher)->compute(padded_right, padded_left, right_disparity);
+
+    // createDisparityWLSFilter would turn off the matcher's uniqueness test; the generic one takes disparities as they are.
+    const cv::Ptr<cv::ximgproc::DisparityWLSFilter> filter = cv::ximgproc::createDisparityWLSFilterGeneric(true);
+    filter->setDepthDiscontinuityRadius((params_.block_size_px + 1) / 2);
+    filter->setLambda(params_.wls_lambda);
+    filter->setSigmaColor(params_.wls_sigma);
     cv::Mat1s filtered;
-    filter->filter(left_disparity, padded_left, filtered, right_disparity);
-    filtered.setTo(-cv::StereoMatcher::DISP_SCALE, sure < 0);
+    filter->filter(left_disparity, padded_left, filtered, right_disparity, {columns, 0, left.cols, left.rows});
+    // The filter invents a disparity for every pixel: keep those that were matched, and that the right view confirms.
+    const cv::Mat1f confidence = filter->getConfidenceMap();
+    filtered.setTo(-cv::StereoMatcher::DISP_SCALE, (left_disparity < 0) | (confidence <= 0.0F));
     return unpad(filtered, columns, params_.max_disparity);
   }
 

@@ -20,8 +20,8 @@ void require_between(std::string_view name, Value value, Value least, Value most
   require_parameter(value >= least && value <= most, name, value, fmt::format("{} to {}", least, most));
 }
 
-/// Beyond this no picture has a use for a disparity, px.
-inline constexpr int kLargestDisparity = 4095;
+/// OpenCV's 16-bit fixed-point disparities end here, px.
+inline constexpr int kLargestDisparity = 2047;
 
 /// @throws std::invalid_argument unless the two pictures of a pair have one size.
 inline void require_equal_sizes(const cv::Mat1b& left, const cv::Mat1b& right) {

@@ -41,20 +41,25 @@ cv::Mat1f change_lines(const cv::Mat1f& disparity, const Change& change) {
   return result;
 }
 
-void fill_gaps_of_line(const Line& line, int max_width) {
+/// Fills line[begin, end) between two valid pixels: a straight line where both lie on one surface.
+void fill_gap(const Line& line, int begin, int end, bool across_steps) {
   constexpr float kSameSurface = 3.0F;
-  int previous = -1;  // last valid pixel
+  const float before = line[begin - 1];
+  const float after = line[end];
+  if (std::abs(before - after) < kSameSurface) {
+    const float slope = (after - before) / static_cast<float>(end - begin + 1);
+    for (int i = begin; i < end; ++i) line[i] = before + slope * static_cast<float>(i - begin + 1);
+  } else if (across_steps) {
+    for (int i = begin; i < end; ++i) line[i] = std::min(before, after);
+  }
+}
+
+void fill_gaps_of_line(const Line& line, int max_width, bool across_steps) {
+  int begin = 0;  // one behind the last valid pixel
   for (int i = 0; i < line.size(); ++i) {
     if (!line.is_valid(i)) continue;
-    const int width = i - previous - 1;
-    if (previous >= 0 && width >= 1 && width <= max_width) {
-      const float before = line[previous];
-      const float after = line[i];
-      const bool same_surface = std::abs(before - after) < kSameSurface;
-      const float fill = same_surface ? (before + after) / 2.0F : std::min(before, after);
-      for (int k = previous + 1; k < i; ++k) line[k] = fill;
-    }
-    previous = i;
+    if (begin > 0 && i - begin <= max_width) fill_gap(line, begin, i, across_steps);
+    begin = i + 1;
   }
 }
 
@@ -133,8 +138,8 @@ cv::Mat1f remove_speckles(const cv::Mat1f& disparity, float similarity_px, int m
   return result;
 }
 
-cv::Mat1f fill_gaps(const cv::Mat1f& disparity, int max_width_px) {
-  return change_lines(disparity, [max_width_px](const Line& line) { fill_gaps_of_line(line, max_width_px); });
+cv::Mat1f fill_gaps(const cv::Mat1f& disparity, int max_width_px, bool across_steps) {
+  return change_lines(disparity, [=](const Line& line) { fill_gaps_of_line(line, max_width_px, across_steps); });
 }
 
 cv::Mat1f extend_to_borders(const cv::Mat1f& disparity, int max_width_px) {

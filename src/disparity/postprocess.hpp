@@ -9,9 +9,10 @@ namespace brink {
 /// Removes small segments: 4-connected valid pixels, neighbours at most similarity_px apart, fewer than min_size_px pixels.
 cv::Mat1f remove_speckles(const cv::Mat1f& disparity, float similarity_px, int min_size_px);
 
-/// Fills runs of at most max_width_px invalid pixels between two valid ones, first along rows, then along columns, with the
-/// mean of both ends; where they differ by 3 px or more with the smaller one, the background.
-cv::Mat1f fill_gaps(const cv::Mat1f& disparity, int max_width_px);
+/// Fills runs of at most max_width_px invalid pixels between two valid ones, first along rows, then along columns. Both ends
+/// lie on one surface if they differ by less than 3 px: then linearly. Otherwise the run is filled with the smaller one, the
+/// background, if across_steps, and left alone if not.
+cv::Mat1f fill_gaps(const cv::Mat1f& disparity, int max_width_px, bool across_steps);
 
 /// Repeats the first and last valid disparity of each row, then of each column, up to max_width_px outwards.
 cv::Mat1f extend_to_borders(const cv::Mat1f& disparity, int max_width_px);

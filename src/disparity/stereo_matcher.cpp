@@ -32,6 +32,7 @@ ElasParams ElasParams::middlebury() {
   params.match_texture = 0;
   params.match_margin = 0.0;
   params.gap_width_px = 5000;
+  params.fill_across_steps = true;
   params.filter_median = true;
   params.filter_adaptive_mean = false;
   return params;
@@ -39,8 +40,14 @@ ElasParams ElasParams::middlebury() {
 
 ElasParams ElasParams::paper() {
   ElasParams params;
+  params.support_exclusion_px = 0;
+  params.inconsistency_min_support = 5;
+  params.match_outside = false;
   params.match_texture = 1;
+  params.texture_radius_px = 0;
   params.match_margin = 0.0;
+  params.gap_width_px = 3;
+  params.fill_across_steps = true;
   params.subpixel = false;
   return params;
 }
@@ -50,6 +57,7 @@ void ElasParams::validate() const {
   require_between("elas.max_disparity", max_disparity, min_disparity, kLargestDisparity);
   require_parameter(support_threshold > 0.0 && support_threshold <= 1.0, "elas.support_threshold", support_threshold,
                     "above 0, at most 1");
+  require_between("elas.support_exclusion_px", support_exclusion_px, 0, kLargestDisparity);
   require_between("elas.support_texture", support_texture, 0, 2048);
   require_between("elas.candidate_step_px", candidate_step_px, 1, 100);
   require_between("elas.inconsistency_window", inconsistency_window, 0, 100);
@@ -61,6 +69,7 @@ void ElasParams::validate() const {
   require_between("elas.sigma_px", sigma_px, 0.01, 100.0);
   require_between("elas.prior_radius", prior_radius, 0.0, 100.0);
   require_between("elas.match_texture", match_texture, 0, 2048);
+  require_between("elas.texture_radius_px", texture_radius_px, 0, 100);
   require_parameter(match_margin >= 0.0 && match_margin < 1.0, "elas.match_margin", match_margin, "at least 0, below 1");
   require_between("elas.consistency_threshold_px", consistency_threshold_px, 0, kLargestDisparity);
   require_between("elas.speckle_similarity_px", speckle_similarity_px, 0.0, 1e6);

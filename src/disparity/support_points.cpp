@@ -1,6 +1,8 @@
 #include "disparity/support_points.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <limits>
 
@@ -30,9 +32,10 @@ int compute_support_cost(const CandidateRows& a, int u, const CandidateRows& b, 
 }
 
 /// The disparity of pixel (u, v) of `image`, whose counterpart in `other` lies at u + direction * disparity; kNoSupport if no
-/// disparity is clearly the best. The second best may be a neighbour of the best: a wide minimum is no certain match.
+/// disparity is clearly the best.
+/// @param costs scratch memory.
 int match_support_point(const DescriptorImage& image, const DescriptorImage& other, int u, int v, int direction,
-                        const ElasParams& params) {
+                        const ElasParams& params, std::vector<int>& costs) {
   const int room = direction < 0 ? u - kBorder : image.width() - 1 - kBorder - u;
   const int last = std::min(params.max_disparity, room);
   if (last - params.min_disparity < kMinRange) return kNoSupport;
@@ -40,20 +43,20 @@ int match_support_point(const DescriptorImage& image, const DescriptorImage& oth
 
   const CandidateRows rows = rows_around(image, v);
   const CandidateRows other_rows = rows_around(other, v);
-  int best = kNoSupport;
-  int best_cost = std::numeric_limits<int>::max();
-  int second_cost = std::numeric_limits<int>::max();
+  costs.clear();
   for (int d = params.min_disparity; d <= last; ++d) {
-    const int cost = compute_support_cost(rows, u, other_rows, u + direction * d);
-    if (cost < best_cost) {
-      second_cost = best_cost;
-      best_cost = cost;
-      best = d;
-    } else {
-      second_cost = std::min(second_cost, cost);
-    }
+    costs.push_back(compute_support_cost(rows, u, other_rows, u + direction * d));
   }
-  return best_cost < params.support_threshold * second_cost ? best : kNoSupport;
+  const auto best = std::min_element(costs.begin(), costs.end());
+  // The foot of the minimum is no rival: next to the best all costs are low where the texture is coarse.
+  const std::ptrdiff_t exclusion = params.support_exclusion_px;
+  const auto foot_begin = best - std::min(exclusion, best - costs.begin());
+  const auto foot_end = best + std::min(exclusion + 1, costs.end() - best);
+  int second_cost = std::numeric_limits<int>::max();
+  for (auto rival = costs.begin(); rival != foot_begin; ++rival) second_cost = std::min(second_cost, *rival);
+  for (auto rival = foot_end; rival != costs.end(); ++rival) second_cost = std::min(second_cost, *rival);
+  if (*best >= params.support_threshold * second_cost) return kNoSupport;
+  return params.min_disparity + static_cast<int>(best - costs.begin());
 }
 
 /// Whether one of the up to kRedundancyReach cells from (i, j) on in steps of (di, dj) holds nearly the same disparity.
@@ -89,12 +92,13 @@ SupportGrid match_support_candidates(const DescriptorImage& left, const Descript
   tbb::parallel_for(0, grid.rows, [&](int j) {
     const int v = j * step;
     if (v < kBorder || v >= left.height() - kBorder) return;
+    std::vector<int> costs;
     for (int i = 0; i < grid.cols; ++i) {
       const int u = i * step;
       if (u < kBorder || u >= left.width() - kBorder) continue;
-      const int d = match_support_point(left, right, u, v, -1, params);
+      const int d = match_support_point(left, right, u, v, -1, params, costs);
       if (d == kNoSupport) continue;
-      const int back = match_support_point(right, left, u - d, v, +1, params);
+      const int back = match_support_point(right, left, u - d, v, +1, params, costs);
       if (back != kNoSupport && std::abs(back - d) <= params.consistency_threshold_px) grid(j, i) = d;
     }
   });

@@ -1,0 +1,144 @@
+#include "brink/detector.hpp"
+
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+#include <tbb/global_control.h>
+
+#include "brink/detections.hpp"
+#include "synthetic_scene.hpp"
+
+namespace brink {
+namespace {
+
+std::string json_without_times(Detection detection) {
+  detection.times = {};
+  return to_json_line(detection);
+}
+
+TEST(Detector, FindsTheGroundOfARolledCameraInPictures) {
+  const StereoCamera camera = test::half_size_camera();
+  Detector detector;
+  for (const double roll : {0.0, 10.0, -10.0}) {
+    SCOPED_TRACE(roll);
+    const Frame frame = test::make_ground_frame(camera, test::half_size(), make_ground_plane(1.6, 30.0, roll, camera));
+    const Detection detection = detector.process(frame);
+    EXPECT_EQ(detection.status, FrameStatus::ok);
+    ASSERT_EQ(detection.ground.state, GroundState::seen) << detection.ground.reason;
+    EXPECT_NEAR(detection.ground.pose.height_m, 1.6, 0.016);
+    EXPECT_NEAR(detection.ground.pose.pitch_deg, 30.0, 0.3);
+    EXPECT_NEAR(detection.ground.pose.roll_deg, roll, 0.3);
+    EXPECT_TRUE(detection.candidates.empty());
+    RecordProperty("height_error_mm", std::to_string((detection.ground.pose.height_m - 1.6) * 1000.0));
+  }
+}
+
+TEST(Detector, PicturesWithoutGroundSaySo) {
+  const StereoCamera camera = test::half_size_camera();
+  Detector detector;
+  for (const int grey : {0, 128, 255}) {
+    const cv::Mat1b picture(test::half_size(), static_cast<uchar>(grey));
+    const Detection detection = detector.process(make_frame(picture, picture, camera));
+    EXPECT_EQ(detection.status, FrameStatus::ok);
+    EXPECT_EQ(detection.ground.state, GroundState::not_visible);
+    EXPECT_FALSE(detection.ground.reason.empty());
+    EXPECT_TRUE(detection.obstacles.empty());
+    EXPECT_EQ(detection.disparity.size(), test::half_size());
+    EXPECT_TRUE(detection.elevation.empty());
+  }
+}
+
+/// A picture with a black hole in it: 0.5 m x 0.9 m, rim 2.2 m away.
+Frame make_hole_frame() {
+  const StereoCamera camera = test::half_size_camera();
+  const GroundPlane plane = make_ground_plane(1.6, 30.0, 0.0, camera);
+  Frame frame = test::make_ground_frame(camera, test::half_size(), plane);
+  const GroundPose pose = compute_ground_pose(plane, camera);
+  const auto in_hole = [&](const Eigen::Vector3d& point) {
+    return test::Opening{2.2, 2.7, -0.3, 0.6, 1.0}.contains(pose.forward.dot(point), pose.right.dot(point));
+  };
+  for (int v = 0; v < frame.left.rows; ++v) {
+    for (int u = 0; u < frame.left.cols; ++u) {
+      const auto point = pose.intersect(u, v, camera);
+      if (!point) continue;
+      if (in_hole(*point)) frame.left(v, u) = 4;
+      if (in_hole(*point + Eigen::Vector3d(camera.baseline, 0.0, 0.0))) frame.right(v, u) = 4;
+    }
+  }
+  return frame;
+}
+
+TEST(Detector, ABlackHoleIsReportedInStillsOnly) {
+  DetectorParams params;
+  const Frame frame = make_hole_frame();
+  const Detection walking = Detector(params).process(frame);
+  EXPECT_TRUE(walking.obstacles.empty());
+  EXPECT_EQ(walking.tracks.size(), 1U);
+
+  params.stills = true;
+  const Detection still = Detector(params).process(frame);
+  ASSERT_EQ(still.obstacles.size(), 1U);
+  EXPECT_TRUE(still.tracks.empty());
+  EXPECT_EQ(still.obstacles[0].track_length, 1);
+  const Candidate& hole = still.obstacles[0].candidate;
+  EXPECT_EQ(hole.type, CandidateType::no_disparity);
+  EXPECT_NEAR(hole.distance_m, 2.2, 0.1);
+  EXPECT_NEAR(hole.width_m, 0.9, 0.2);
+}
+
+TEST(Detector, ObstaclesFartherThanTheReportRangeStayTracks) {
+  DetectorParams params;
+  params.stills = true;
+  params.report_range_m = 2.0;
+  const Detection detection = Detector(params).process(make_hole_frame());
+  EXPECT_TRUE(detection.obstacles.empty());
+  EXPECT_EQ(detection.tracks.size(), 1U);
+}
+
+TEST(Detector, IsTheSameForAnyNumberOfThreadsAndFromRunToRun) {
+  const Frame frame = make_hole_frame();
+  for (const DetectorParams& params : {DetectorParams::brink(), DetectorParams::paper()}) {
+    Detector detector(params);
+    const Detection first = detector.process(frame);
+    EXPECT_EQ(json_without_times(first), json_without_times(detector.process(frame))) << "second run";
+    for (const std::size_t threads : {1U, 2U, 4U}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      const Detection again = Detector(params).process(frame);
+      EXPECT_EQ(json_without_times(first), json_without_times(again)) << threads << " threads";
+      EXPECT_EQ(cv::norm(first.disparity, again.disparity, cv::NORM_INF), 0.0) << threads << " threads";
+    }
+  }
+}
+
+TEST(Detector, PaperMethodUsesWholeDisparitiesAndNoRulesOfOurs) {
+  const DetectorParams params = DetectorParams::paper();
+  EXPECT_FALSE(params.disparity.elas.subpixel);
+  EXPECT_EQ(params.disparity.elas.match_margin, 0.0);
+  EXPECT_EQ(params.candidates.rim_depth_ratio, 1.0);
+  EXPECT_EQ(params.candidates.min_slope_deg, 0.0);
+  EXPECT_EQ(params.candidates.border_px, 0);
+}
+
+TEST(Detector, WrongParametersAreNamed) {
+  DetectorParams params;
+  params.report_range_m = 0.0;
+  try {
+    const Detector detector(params);
+    FAIL() << "report_range_m = 0 was taken";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "detector.report_range_m = 0, must be above 0 to 1000");
+  }
+}
+
+TEST(Detector, AFailedFrameKeepsItsReason) {
+  const Detection detection = make_failed_detection(7, 0.5, FrameStatus::no_picture, "image_3/000007.png: missing");
+  EXPECT_EQ(detection.frame, 7);
+  EXPECT_EQ(detection.time, 0.5);
+  EXPECT_EQ(detection.status, FrameStatus::no_picture);
+  EXPECT_EQ(detection.reason, "image_3/000007.png: missing");
+  EXPECT_EQ(detection.ground.state, GroundState::not_visible);
+}
+
+}  // namespace
+}  // namespace brink

@@ -1,0 +1,103 @@
+// Real potholes (R. Fan et al., TIP 2019 and arXiv 2012.10802), stills: found, false and missed regions, and pixel recall,
+// precision and F over all frames, beside the published rows.
+
+#include <string>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "brink/detector.hpp"
+#include "brink/sequence.hpp"
+#include "test_data.hpp"
+
+namespace brink {
+namespace {
+
+constexpr double kMinDepth = 0.010;  // m; one value for all pictures. The holes are 25 and 39 mm deep.
+
+struct Score {
+  int found = 0;
+  int missed = 0;
+  int false_regions = 0;
+  int true_px = 0;
+  int false_px = 0;
+  int missed_px = 0;
+  [[nodiscard]] double recall() const { return true_px / static_cast<double>(true_px + missed_px); }
+  [[nodiscard]] double precision() const { return true_px / static_cast<double>(true_px + false_px); }
+  [[nodiscard]] double f() const { return 2.0 * recall() * precision() / (recall() + precision()); }
+};
+
+void add_frame(Score& score, const Detection& detection, const cv::Mat1b& truth) {
+  const cv::Mat1b hole(truth == 1);
+  const cv::Mat1b labelled(truth != 255);
+  cv::Mat1b reported(truth.size(), uchar{0});
+  bool found = false;
+  for (const NegativeObstacle& obstacle : detection.obstacles) {
+    cv::Mat1b region(truth.size(), uchar{0});
+    cv::drawContours(region, std::vector<std::vector<cv::Point>>{obstacle.candidate.contour}, -1, cv::Scalar(255), cv::FILLED);
+    const int common = cv::countNonZero(region & hole);
+    const bool hit = 2 * common >= cv::countNonZero(region) || 4 * common >= cv::countNonZero(region | hole);
+    found = found || hit;
+    score.false_regions += common == 0 ? 1 : 0;
+    reported |= region;
+  }
+  (found ? score.found : score.missed) += 1;
+  score.true_px += cv::countNonZero(reported & hole);
+  score.false_px += cv::countNonZero(reported & ~hole & labelled);
+  score.missed_px += cv::countNonZero(~reported & hole);
+}
+
+Score evaluate(const std::string& folder, const DetectorParams& params) {
+  const Sequence sequence = open_sequence(folder);
+  Detector detector(params);
+  Score score;
+  for (int i = 0; i < sequence.size(); ++i) {
+    const FrameReading reading = sequence.read(i);
+    EXPECT_EQ(reading.status, FrameStatus::ok) << reading.reason;
+    const cv::Mat1b truth = cv::imread(fmt::format("{}/negative/{:06}.png", folder, reading.frame.index), cv::IMREAD_GRAYSCALE);
+    add_frame(score, detector.process(reading.frame), truth);
+  }
+  return score;
+}
+
+Score evaluate_and_print(const std::string& folder, Matcher matcher, const DetectorParams& method, const char* name) {
+  DetectorParams params = method;
+  params.stills = true;
+  params.disparity.matcher = matcher;
+  params.candidates.min_depth_m = kMinDepth;
+  const Score score = evaluate(folder, params);
+  fmt::print("{:<22} {:2}/{}/{}  recall {:.3f}  precision {:.3f}  F {:.3f}\n", name, score.found, score.false_regions,
+             score.missed, score.recall(), score.precision(), score.f());
+  return score;
+}
+
+Score print_table(const std::string& folder) {
+  fmt::print("found/false regions/missed, pixels; min_depth_m = {}\n", kMinDepth);
+  evaluate_and_print(folder, Matcher::sgbm, DetectorParams::paper(), "sgbm, paper's rules");
+  evaluate_and_print(folder, Matcher::elas, DetectorParams::paper(), "paper");
+  evaluate_and_print(folder, Matcher::sgbm, DetectorParams::brink(), "sgbm, brink's rules");
+  return evaluate_and_print(folder, Matcher::elas, DetectorParams::brink(), "brink");
+}
+
+TEST(Potholes, AllOfSetAAreFoundWithNoFalseRegion) {
+  BRINK_REQUIRE_DATA(folder, "pothole_a");
+  const Score score = print_table(folder);
+  fmt::print("published: TIP 2019 .499 .987 .663, arXiv 2012.10802 .701 .964 .811\n");
+  EXPECT_EQ(score.found, 8);
+  EXPECT_EQ(score.false_regions, 0);
+  EXPECT_GT(score.f(), 0.80);
+}
+
+TEST(Potholes, AllOfSetBAreFoundWithNoFalseRegion) {
+  BRINK_REQUIRE_DATA(folder, "pothole_b");
+  const Score score = print_table(folder);
+  fmt::print("published: TIP 2019 .582 .983 .731, arXiv 2012.10802 .702 .996 .823\n");
+  EXPECT_EQ(score.found, 3);
+  EXPECT_EQ(score.false_regions, 0);
+  EXPECT_GT(score.f(), 0.85);
+}
+
+}  // namespace
+}  // namespace brink
