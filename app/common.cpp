@@ -28,7 +28,7 @@ void add_method_options(CLI::App& command, MethodOptions& options) {
       .add_option("--set", options.settings,
                   "Set one parameter, as in --set candidates.min_depth_m=0.01. May be given many times; brink params lists all")
       ->type_name("KEY=VALUE")
-      ->expected(1)
+      ->allow_extra_args(false)  // one value each: the next word is something else
       ->take_all();
 }
 
