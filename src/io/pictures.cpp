@@ -20,6 +20,9 @@ namespace {
 
 cv::Mat decode(const PictureHeader& header) {
   constexpr int kBits = 8;
+  if (header.width < 1 || header.height < 1) {
+    throw std::runtime_error(fmt::format("is damaged: {}x{} px", header.width, header.height));
+  }
   if (header.bits > kBits) throw std::runtime_error(fmt::format("is a {}-bit picture, expected 8-bit", header.bits));
   if (header.channels != 1 && header.channels != 3) {
     throw std::runtime_error(fmt::format("has {} channels, expected 1 (grey) or 3 (colour)", header.channels));
