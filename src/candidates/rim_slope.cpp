@@ -48,7 +48,10 @@ double compute_rim_slope_deg(const Region& region, const cv::Mat1b& deep, const 
   const cv::Rect around =
       cv::Rect(region.box.x - margin, region.box.y - margin, region.box.width + 2 * margin, region.box.height + 2 * margin) &
       cv::Rect(cv::Point(0, 0), deep.size());
-  const cv::Mat1b level_near = level(around);
+  // Level specks inside the region are noise; its surroundings begin beyond the outer contour.
+  cv::Mat1b level_near = level(around).clone();
+  const std::vector<std::vector<cv::Point>> outline{trace_contour(region.mask, region.box)};
+  cv::drawContours(level_near, outline, -1, cv::Scalar(0), cv::FILLED, cv::LINE_8, cv::noArray(), 0, -around.tl());
   if (cv::countNonZero(level_near) == 0) return 0.0;
 
   cv::Mat1b deep_here(around.size(), uchar{0});
