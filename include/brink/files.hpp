@@ -54,7 +54,7 @@ class OutputFolder {
 
  private:
   std::filesystem::path path_;
-  std::vector<std::filesystem::path> made_;
+  std::vector<std::filesystem::path> made_;  // deepest first
 };
 
 }  // namespace brink

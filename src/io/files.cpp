@@ -1,5 +1,6 @@
 #include "brink/files.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <fstream>
@@ -105,8 +106,9 @@ OutputFolder::OutputFolder(const std::string& path) : path_(fs::absolute(path)) 
   for (fs::path level = path_; !fs::exists(level, error) && level.has_relative_path(); level = level.parent_path()) {
     missing.push_back(level);
   }
-  for (auto level = missing.rbegin(); level != missing.rend(); ++level) {
-    if (fs::create_directory(*level, error)) made_.push_back(*level);
+  std::reverse(missing.begin(), missing.end());
+  for (const fs::path& level : missing) {
+    if (fs::create_directory(level, error)) made_.insert(made_.begin(), level);
     if (error) fail_to_write(path, error.value());
   }
   if (!fs::is_directory(path_, error)) fail_to_write(path, ENOTDIR);
@@ -115,7 +117,7 @@ OutputFolder::OutputFolder(const std::string& path) : path_(fs::absolute(path)) 
 
 OutputFolder::~OutputFolder() {
   std::error_code not_empty;
-  for (auto level = made_.rbegin(); level != made_.rend(); ++level) fs::remove(*level, not_empty);
+  for (const fs::path& level : made_) fs::remove(level, not_empty);
 }
 
 std::string OutputFolder::file(const std::string& name) const { return (path_ / name).string(); }

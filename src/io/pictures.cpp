@@ -1,6 +1,7 @@
 #include "brink/pictures.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
@@ -20,6 +21,9 @@ namespace {
 
 cv::Mat decode(const PictureHeader& header) {
   constexpr int kBits = 8;
+  if (header.width < 1 || header.height < 1) {
+    throw std::runtime_error(fmt::format("is damaged: {}x{} px", header.width, header.height));
+  }
   if (header.bits > kBits) throw std::runtime_error(fmt::format("is a {}-bit picture, expected 8-bit", header.bits));
   if (header.channels != 1 && header.channels != 3) {
     throw std::runtime_error(fmt::format("has {} channels, expected 1 (grey) or 3 (colour)", header.channels));
@@ -37,10 +41,16 @@ cv::Mat decode(const PictureHeader& header) {
   return picture;
 }
 
-std::string encode(const std::string& extension, const cv::Mat& picture) {
-  std::vector<uchar> bytes;
-  cv::imencode(extension, picture, bytes);
-  return {bytes.begin(), bytes.end()};
+// Not by cv::imencode: that writes PFM to a temporary file, and returns what fitted when the disk is full.
+std::string encode_pfm(const cv::Mat1f& disparity) {
+  cv::Mat1f stored = disparity.clone();
+  stored.setTo(std::numeric_limits<float>::infinity(), disparity < 0.0F);
+  const char* byte_order = std::endian::native == std::endian::little ? "-1" : "1";
+  std::string bytes = fmt::format("Pf\n{} {}\n{}\n", stored.cols, stored.rows, byte_order);
+  for (int v = stored.rows - 1; v >= 0; --v) {  // from the bottom up
+    bytes.append(stored.ptr<char>(v), static_cast<std::size_t>(stored.cols) * sizeof(float));
+  }
+  return bytes;
 }
 
 }  // namespace
@@ -54,7 +64,11 @@ cv::Mat read_picture(const std::string& path) {
   }
 }
 
-std::string encode_png(const cv::Mat& picture) { return encode(".png", picture); }
+std::string encode_png(const cv::Mat& picture) {
+  std::vector<uchar> bytes;
+  if (!cv::imencode(".png", picture, bytes)) throw std::runtime_error("picture cannot be stored as PNG");
+  return {bytes.begin(), bytes.end()};
+}
 
 DisparityFormat disparity_format(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
@@ -67,11 +81,7 @@ DisparityFormat disparity_format(const std::string& path) {
 
 std::string encode_disparity(const cv::Mat1f& disparity, DisparityFormat format) {
   if (disparity.empty()) throw std::runtime_error("disparity image is empty");
-  if (format == DisparityFormat::pfm) {
-    cv::Mat1f stored = disparity.clone();
-    stored.setTo(std::numeric_limits<float>::infinity(), disparity < 0.0F);
-    return encode(".pfm", stored);
-  }
+  if (format == DisparityFormat::pfm) return encode_pfm(disparity);
   constexpr float kScale = 256.0F;
   constexpr float kLargest = std::numeric_limits<std::uint16_t>::max();
   cv::Mat1w stored(disparity.size());

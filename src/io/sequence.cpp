@@ -63,6 +63,7 @@ void check_gaps(const fs::path& folder, const std::vector<int>& numbers) {
 // Numbers of both eyes, ascending, each once.
 std::vector<int> numbers_of(const std::map<int, std::string>& left, const std::map<int, std::string>& right) {
   std::vector<int> numbers;
+  numbers.reserve(left.size() + right.size());
   for (const auto& picture : left) numbers.push_back(picture.first);
   for (const auto& picture : right) numbers.push_back(picture.first);
   std::sort(numbers.begin(), numbers.end());

@@ -105,7 +105,7 @@ std::pair<float, float> robust_range(const cv::Mat1f& disparity) {
   values.reserve(disparity.total());
   std::copy_if(disparity.begin(), disparity.end(), std::back_inserter(values), [](float value) { return value >= 0.0F; });
   if (values.empty()) return {0.0F, 1.0F};
-  const std::ptrdiff_t tail = static_cast<std::ptrdiff_t>(values.size() / 100);
+  const auto tail = static_cast<std::ptrdiff_t>(values.size() / 100);
   std::nth_element(values.begin(), values.begin() + tail, values.end());
   const float smallest = values[static_cast<std::size_t>(tail)];
   std::nth_element(values.begin(), values.end() - 1 - tail, values.end());

@@ -194,6 +194,13 @@ TEST_F(BadInput, FullDisk) {
                  "standard output: cannot be written");
 }
 
+TEST_F(BadInput, FileThatOutgrowsItsLimit) {
+  const CommandResult result = run_command(in_folder("disparity @good.png @good.png --out @out.pfm"), "ulimit -f 16; ");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.errors, in_folder("brink: @out.pfm: cannot be written: File too large\n"));
+  EXPECT_EQ(folder_.list(), before_);
+}
+
 // Black, white and identical pairs are pictures like any other: the answer is that no ground can be seen.
 TEST_F(BadInput, PicturesWithoutGroundAreNoError) {
   add("black.png", encoded(".png", cv::Mat1b(120, 160, uchar{0})));

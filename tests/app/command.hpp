@@ -21,11 +21,11 @@ struct CommandResult {
   std::string errors;  ///< on standard error
 };
 
-/// Runs `brink arguments` as a user would, through the shell.
-inline CommandResult run_command(const std::string& arguments) {
+/// Runs `brink arguments` as a user would, through the shell. @param before shell commands that prepare the ground, with "; ".
+inline CommandResult run_command(const std::string& arguments, const std::string& before = "") {
   const TemporaryFolder folder;
   const std::string redirected = arguments.find('>') == std::string::npos ? " > " + folder / "output" : "";
-  const std::string line = std::string(BRINK_COMMAND) + " " + arguments + redirected + " 2> " + folder / "errors";
+  const std::string line = before + BRINK_COMMAND + " " + arguments + redirected + " 2> " + folder / "errors";
   const int status = std::system(line.c_str());  // NOLINT(bugprone-command-processor): that is what is tested
   CommandResult result;
   if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);

@@ -77,6 +77,7 @@ TEST(ReadPicture, RefusesDamagedPictures) {
   std::string png = encoded(".png", noise(CV_8UC1));
   png[png.size() / 2] = static_cast<char>(png[png.size() / 2] ^ 1);
   test::expect_line_with(fault(png), "is a damaged PNG picture: wrong check sum");
+  test::expect_line_with(fault(png.substr(0, 8) + png.substr(png.size() - 12)), "is damaged: 0x0 px");  // nothing but IEND
   std::string jpeg = encoded(".jpg", noise(CV_8UC1));
   jpeg[2 + 2 + 16] = 'x';  // the marker after the first segment, which is 16 bytes long
   test::expect_line_with(fault(jpeg), "is a damaged JPEG picture");
