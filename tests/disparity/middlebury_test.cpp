@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "brink/disparity.hpp"
 #include "test_data.hpp"
@@ -57,8 +58,9 @@ struct Scene {
 
 Scene read_scene(const std::string& folder, const std::string& truth) {
   Scene scene;
-  scene.left = cv::imread(folder + "/image_2/000000.png", cv::IMREAD_GRAYSCALE);
-  scene.right = cv::imread(folder + "/image_3/000000.png", cv::IMREAD_GRAYSCALE);
+  // Colour to grey as make_frame does it: the PNG reader's own conversion rounds differently.
+  cv::cvtColor(cv::imread(folder + "/image_2/000000.png", cv::IMREAD_COLOR), scene.left, cv::COLOR_BGR2GRAY);
+  cv::cvtColor(cv::imread(folder + "/image_3/000000.png", cv::IMREAD_COLOR), scene.right, cv::COLOR_BGR2GRAY);
   const cv::Mat stored = cv::imread(folder + "/" + truth + "/000000.png", cv::IMREAD_UNCHANGED);
   stored.convertTo(scene.truth, CV_32F, 1.0 / 256.0);
   cv::compare(scene.truth, 0.0, scene.known, cv::CMP_GT);
