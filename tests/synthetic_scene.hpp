@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -98,9 +99,9 @@ inline double ground_texture(double ahead, double aside) {
 /// A rectified pair of pictures of textured flat ground, with noise; grey 128 above the horizon.
 inline Frame make_ground_frame(const StereoCamera& camera, const cv::Size& size, const GroundPlane& ground) {
   const GroundPose pose = compute_ground_pose(ground, camera);
-  cv::Mat1b eyes[2] = {cv::Mat1b(size, uchar{128}), cv::Mat1b(size, uchar{128})};
-  for (int eye = 0; eye < 2; ++eye) {
-    const Eigen::Vector3d origin(eye * camera.baseline, 0.0, 0.0);
+  std::array<cv::Mat1b, 2> eyes = {cv::Mat1b(size, uchar{128}), cv::Mat1b(size, uchar{128})};
+  for (std::size_t eye = 0; eye < eyes.size(); ++eye) {
+    const Eigen::Vector3d origin(static_cast<double>(eye) * camera.baseline, 0.0, 0.0);
     std::mt19937 random(static_cast<unsigned>(eye) + 1U);
     std::normal_distribution<double> noise(0.0, 1.5);
     for (int v = 0; v < size.height; ++v) {

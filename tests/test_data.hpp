@@ -14,7 +14,9 @@ inline std::string test_data(const std::string& name) {
 }
 
 /// Skips a test that needs real data when there is none, and says so.
+// NOLINTBEGIN(bugprone-macro-parentheses): the first argument is the name of a new variable
 #define BRINK_REQUIRE_DATA(variable, name)                    \
   const std::string variable = test_data(name);               \
   if (variable.empty() || !std::filesystem::exists(variable)) \
   GTEST_SKIP() << "real data not there: set BRINK_TEST_DATA to the folder that holds " << (name)
+// NOLINTEND(bugprone-macro-parentheses)

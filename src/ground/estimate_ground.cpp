@@ -153,17 +153,18 @@ void assess(GroundEstimate& estimate, const cv::Mat1f& disparity, const StereoCa
 }
 
 void tell_state(GroundEstimate& estimate, const GroundParams& params) {
+  const auto below = [&](double limit) {
+    return fmt::format("ground confidence {:.2f} is below {}", estimate.confidence, limit);
+  };
   if (estimate.confidence >= params.seen_confidence) {
     estimate.state = GroundState::seen;
-    return;
-  }
-  estimate.reason = fmt::format("ground confidence {:.2f} is below {}", estimate.confidence, params.seen_confidence);
-  if (estimate.confidence >= params.uncertain_confidence) {
+  } else if (estimate.confidence >= params.uncertain_confidence) {
     estimate.state = GroundState::uncertain;
-    return;
+    estimate.reason = below(params.seen_confidence);
+  } else {
+    estimate.reason = below(params.uncertain_confidence);
+    estimate.plane.reset();
   }
-  estimate.reason = fmt::format("ground confidence {:.2f} is below {}", estimate.confidence, params.uncertain_confidence);
-  estimate.plane.reset();
 }
 
 GroundEstimate not_visible(const std::string& reason) {
@@ -204,7 +205,7 @@ GroundEstimate estimate_ground(const cv::Mat1f& disparity, const StereoCamera& c
   }
   const double reach = std::hypot(params.max_range_m, params.max_height_m);
   const double min_disparity = camera.focal * camera.baseline / reach;
-  const double pixels = static_cast<double>(disparity.total());
+  const auto pixels = static_cast<double>(disparity.total());
   const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(pixels / kTargetSamples))));
   const std::vector<DisparitySample> samples = sample_disparities(disparity, camera.cx, min_disparity, step);
   if (samples.size() < kMinSamples) {

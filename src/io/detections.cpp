@@ -44,10 +44,20 @@ Json ground(const GroundEstimate& estimate) {
 // Type 2 is only inferred: nothing of the hole itself was measured.
 const char* evidence(CandidateType type) { return type == CandidateType::below_ground ? "observed" : "inferred"; }
 
+/// The pixels at which a closed chain of neighbouring pixels changes direction: filled, they are the same region in a fraction of
+/// the text.
+Json contour_corners(const std::vector<cv::Point>& chain) {
+  Json corners = Json::array();
+  for (std::size_t i = 0; i < chain.size(); ++i) {
+    const cv::Point& before = chain[(i + chain.size() - 1) % chain.size()];
+    const cv::Point& after = chain[(i + 1) % chain.size()];
+    if (chain.size() <= 2 || chain[i] - before != after - chain[i]) corners.push_back({chain[i].x, chain[i].y});
+  }
+  return corners;
+}
+
 Json obstacle(const NegativeObstacle& obstacle) {
   const Candidate& candidate = obstacle.candidate;
-  Json contour = Json::array();
-  for (const cv::Point& pixel : candidate.contour) contour.push_back({pixel.x, pixel.y});
   return {{"id", obstacle.id},
           {"type", to_string(candidate.type)},
           {"evidence", evidence(candidate.type)},
@@ -60,7 +70,7 @@ Json obstacle(const NegativeObstacle& obstacle) {
           {"depth_m", candidate.depth_m ? rounded(*candidate.depth_m, kMetreDigits) : Json()},
           {"width_m", rounded(candidate.width_m, kMetreDigits)},
           {"area_px", candidate.area_px},
-          {"contour", contour},
+          {"contour", contour_corners(candidate.contour)},
           {"track_length", obstacle.track_length}};
 }
 

@@ -73,6 +73,15 @@ TEST(JsonLine, HoldsEveryFieldOfAnObstacleRounded) {
   EXPECT_TRUE(json["rejected"].empty());
 }
 
+TEST(JsonLine, HoldsTheCornersOfAContourOnly) {
+  Detection detection;
+  NegativeObstacle obstacle;
+  obstacle.candidate.contour = {{4, 4}, {4, 5}, {4, 6}, {5, 7}, {6, 8}, {7, 8}, {6, 7}, {6, 6}, {6, 5}, {5, 4}};
+  detection.obstacles = {obstacle};
+  const Json json = Json::parse(to_json_line(detection));
+  EXPECT_EQ(json["obstacles"][0]["contour"], Json::parse("[[4,4],[4,6],[6,8],[7,8],[6,7],[6,5],[5,4]]"));
+}
+
 TEST(JsonLine, GivesTracksTheSameFields) {
   Detection detection = example();
   detection.tracks = std::move(detection.obstacles);
