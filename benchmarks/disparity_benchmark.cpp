@@ -39,7 +39,7 @@ Pair read_pair() {
 void match(benchmark::State& state, const brink::DisparityParams& params) {
   const Pair pair = read_pair();
   const auto matcher = brink::make_stereo_matcher(params);
-  for (auto _ : state) benchmark::DoNotOptimize(matcher->compute(pair.left, pair.right));
+  while (state.KeepRunning()) benchmark::DoNotOptimize(matcher->compute(pair.left, pair.right));
   state.SetLabel(std::to_string(pair.left.cols) + "x" + std::to_string(pair.left.rows));
 }
 
@@ -55,13 +55,11 @@ void match_elas(benchmark::State& state, const brink::ElasParams& elas) {
   match(state, params);
 }
 
-// NOLINTBEGIN(cert-err58-cpp): that is how Google Benchmark registers.
 BENCHMARK_CAPTURE(match_elas, robotics, brink::ElasParams::robotics())->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(match_elas, paper, brink::ElasParams::paper())->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(match_elas, middlebury, brink::ElasParams::middlebury())->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(match_with, bm, brink::Matcher::bm)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(match_with, sgbm, brink::Matcher::sgbm)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(match_with, sgbm_wls, brink::Matcher::sgbm_wls)->Unit(benchmark::kMillisecond)->UseRealTime();
-// NOLINTEND(cert-err58-cpp)
 
 }  // namespace

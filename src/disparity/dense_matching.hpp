@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -37,7 +38,8 @@ struct CandidateGrid {
   std::vector<std::vector<int>> cells;  ///< ascending disparities, row by row
 
   [[nodiscard]] const std::vector<int>& at(int u, int v) const {
-    return cells[static_cast<std::size_t>(v / cell_px * columns + u / cell_px)];
+    const int cell = v / cell_px * columns + u / cell_px;
+    return cells[static_cast<std::size_t>(cell)];
   }
 };
 

@@ -29,6 +29,7 @@ void expect_delaunay(const std::vector<SupportPoint>& points) {
     for (const SupportPoint& p : points) ASSERT_LE(in_circle(at(t[0]), at(t[1]), at(t[2]), p), 0);
   }
   std::vector<cv::Point> pixels;
+  pixels.reserve(points.size());
   for (const SupportPoint& p : points) pixels.emplace_back(p.u, p.v);
   std::vector<cv::Point> hull;
   cv::convexHull(pixels, hull);

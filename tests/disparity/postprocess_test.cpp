@@ -1,5 +1,6 @@
 #include "disparity/postprocess.hpp"
 
+#include <cstddef>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -91,9 +92,10 @@ TEST(Postprocess, BordersAreExtendedNoFurtherThanAllowed) {
 }
 
 TEST(Postprocess, AdaptiveMeanEqualsItsDefinition) {
-  std::vector<float> values;
+  std::vector<float> values(41);
   cv::RNG random(9);
-  for (int i = 0; i < 41; ++i) values.push_back(i % 7 == 3 ? kNone : random.uniform(0.0F, 9.0F));
+  for (float& value : values) value = random.uniform(0.0F, 9.0F);
+  for (const std::size_t hole : {3U, 10U, 11U, 24U}) values[hole] = kNone;
   expect_equal(filter_adaptive_mean(make_row(values)), make_row(reference::adaptive_mean(values)));
 }
 
