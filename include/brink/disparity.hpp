@@ -31,7 +31,7 @@ struct ElasParams {
   double prior_radius = 2.0;           ///< range around the prior's plane that is searched, in sigmas
   int match_texture = 8;               ///< least mean texture around a pixel for dense matching
   int texture_radius_px = 4;           ///< half window of that mean
-  double match_margin = 0.03;          ///< least energy must be below (1 - margin) times that of any disparity further than
+  double match_margin = 0.04;          ///< least energy must be below (1 - margin) times that of any disparity further than
                                        ///< 1 px away; 0 = no test
   int consistency_threshold_px = 2;    ///< left-right tolerance, support and dense
   double speckle_similarity_px = 1.0;  ///< neighbours closer than this belong to one segment

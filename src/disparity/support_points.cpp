@@ -61,7 +61,7 @@ int match_support_point(const DescriptorImage& image, const DescriptorImage& oth
 
 /// Whether one of the up to kRedundancyReach cells from (i, j) on in steps of (di, dj) holds nearly the same disparity.
 bool has_similar(const SupportGrid& grid, int i, int j, int di, int dj) {
-  constexpr int kRedundancyReach = 5;
+  constexpr int kRedundancyReach = 3;
   constexpr int kRedundancyThreshold = 1;
   for (int step = 1; step <= kRedundancyReach; ++step) {
     const int x = i + step * di;

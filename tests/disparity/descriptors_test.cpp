@@ -1,0 +1,56 @@
+#include "disparity/descriptors.hpp"
+
+#include <gtest/gtest.h>
+
+#include "disparity/synthetic.hpp"
+#include "reference/naive_disparity.hpp"
+
+namespace brink {
+namespace {
+
+TEST(Descriptors, EmptyPictureHasNone) {
+  const DescriptorImage descriptors = compute_descriptors(cv::Mat1b());
+  EXPECT_EQ(descriptors.width(), 0);
+  EXPECT_EQ(descriptors.height(), 0);
+}
+
+TEST(Descriptors, OnePixelHasNoTexture) {
+  const DescriptorImage descriptors = compute_descriptors(cv::Mat1b(1, 1, std::uint8_t{200}));
+  EXPECT_EQ(compute_texture(descriptors.row(0)[0]), 0);
+}
+
+TEST(Descriptors, RampHasItsSlopeInEverySampleAlongIt) {
+  cv::Mat1b ramp(9, 11);
+  for (int v = 0; v < ramp.rows; ++v) {
+    for (int u = 0; u < ramp.cols; ++u) ramp(v, u) = static_cast<std::uint8_t>(4 * u);
+  }
+  // Sobel: (1 + 2 + 1) * (4 * (u + 1) - 4 * (u - 1)) = 32, / 4 = 8 in each of the 12 horizontal samples.
+  const Descriptor descriptor = compute_descriptors(ramp).row(4)[5];
+  EXPECT_EQ(descriptor, (Descriptor{136, 136, 136, 136, 136, 136, 136, 136, 136, 136, 136, 136, 128, 128, 128, 128}));
+  EXPECT_EQ(compute_texture(descriptor), 96);
+}
+
+TEST(Descriptors, OppositeDescriptorsAreFarthestApart) {
+  Descriptor black{};
+  Descriptor white{};
+  white.fill(255);
+  EXPECT_EQ(compute_cost(black, black), 0);
+  EXPECT_EQ(compute_cost(black, white), 16 * 255);
+  EXPECT_EQ(compute_cost(white, black), 16 * 255);
+}
+
+TEST(Descriptors, EqualTheDefinitionOnOddSizes) {
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(2, 1), cv::Size(3, 5), cv::Size(17, 13), cv::Size(33, 7)}) {
+    cv::Mat1b image(size);
+    cv::RNG(7).fill(image, cv::RNG::UNIFORM, 0, 256);
+    const DescriptorImage descriptors = compute_descriptors(image);
+    ASSERT_EQ(descriptors.width(), size.width);
+    ASSERT_EQ(descriptors.height(), size.height);
+    for (int v = 0; v < size.height; ++v) {
+      for (int u = 0; u < size.width; ++u) ASSERT_EQ(descriptors.row(v)[u], reference::describe(image, u, v)) << u << "," << v;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace brink

@@ -1,0 +1,130 @@
+#include "disparity/postprocess.hpp"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "brink/disparity.hpp"
+#include "reference/naive_disparity.hpp"
+
+namespace brink {
+namespace {
+
+constexpr float kNone = kInvalidDisparity;
+
+cv::Mat1f make_row(const std::vector<float>& values) { return cv::Mat1f(values, true).reshape(1, 1); }
+
+void expect_equal(const cv::Mat1f& actual, const cv::Mat1f& expected) {
+  ASSERT_EQ(actual.size(), expected.size());
+  if (expected.empty()) return;
+  EXPECT_EQ(cv::countNonZero(actual != expected), 0) << actual << "\n" << expected;
+}
+
+/// Small disparities with holes, so that segments of every size and shape occur.
+cv::Mat1f make_random(cv::Size size, unsigned seed) {
+  cv::Mat1i whole(size);
+  cv::RNG(seed).fill(whole, cv::RNG::UNIFORM, -1, 4);
+  cv::Mat1f disparity;
+  whole.convertTo(disparity, CV_32F);
+  return disparity;
+}
+
+TEST(Postprocess, NothingHappensToEmptyAndInvalidPictures) {
+  for (const cv::Mat1f& disparity : {cv::Mat1f(), cv::Mat1f(1, 1, kNone), cv::Mat1f(5, 3, kNone)}) {
+    expect_equal(remove_speckles(disparity, 1.0F, 10), disparity);
+    expect_equal(fill_gaps(disparity, 3, true), disparity);
+    expect_equal(extend_to_borders(disparity, 3), disparity);
+    expect_equal(filter_adaptive_mean(disparity), disparity);
+    expect_equal(filter_median(disparity), disparity);
+  }
+}
+
+TEST(Postprocess, InputIsLeftAlone) {
+  const cv::Mat1f disparity = make_row({5.0F, kNone, 7.0F});
+  fill_gaps(disparity, 3, true);
+  filter_adaptive_mean(disparity);
+  expect_equal(disparity, make_row({5.0F, kNone, 7.0F}));
+}
+
+TEST(Postprocess, SpecklesSmallerThanTheLimitGo) {
+  const cv::Mat1f row = make_row({5.0F, 5.5F, 6.5F, kNone, 9.0F, 9.0F, 20.0F});
+  expect_equal(remove_speckles(row, 1.0F, 3), make_row({5.0F, 5.5F, 6.5F, kNone, kNone, kNone, kNone}));
+  expect_equal(remove_speckles(row, 1.0F, 2), make_row({5.0F, 5.5F, 6.5F, kNone, 9.0F, 9.0F, kNone}));
+}
+
+TEST(Postprocess, SpecklesEqualTheirDefinition) {
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(7, 5), cv::Size(23, 19)}) {
+    for (const int min_size : {1, 2, 6}) {
+      const cv::Mat1f disparity = make_random(size, 5);
+      expect_equal(remove_speckles(disparity, 1.0F, min_size), reference::remove_speckles(disparity, 1.0F, min_size));
+    }
+  }
+}
+
+TEST(Postprocess, GapWithinASurfaceIsFilledLinearly) {
+  expect_equal(fill_gaps(make_row({4.0F, kNone, kNone, kNone, 6.0F}), 3, false), make_row({4.0F, 4.5F, 5.0F, 5.5F, 6.0F}));
+}
+
+TEST(Postprocess, GapBetweenSurfacesBelongsToTheBackgroundOrToNobody) {
+  const cv::Mat1f row = make_row({9.0F, kNone, 6.0F});
+  expect_equal(fill_gaps(row, 3, true), make_row({9.0F, 6.0F, 6.0F}));
+  expect_equal(fill_gaps(row, 3, false), row);
+}
+
+TEST(Postprocess, WideGapsAndBordersStay) {
+  const cv::Mat1f row = make_row({kNone, 4.0F, kNone, kNone, 4.0F, kNone});
+  expect_equal(fill_gaps(row, 1, true), row);
+  expect_equal(fill_gaps(row, 0, true), row);
+  expect_equal(fill_gaps(row, 2, true), make_row({kNone, 4.0F, 4.0F, 4.0F, 4.0F, kNone}));
+}
+
+TEST(Postprocess, GapsAreFilledAlongColumnsToo) {
+  const cv::Mat1f gap = (cv::Mat1f(3, 1) << 4.0F, kNone, 6.0F);
+  const cv::Mat1f filled = (cv::Mat1f(3, 1) << 4.0F, 5.0F, 6.0F);
+  expect_equal(fill_gaps(gap, 3, false), filled);
+}
+
+TEST(Postprocess, BordersAreExtendedNoFurtherThanAllowed) {
+  const cv::Mat1f row = make_row({kNone, kNone, 4.0F, kNone, 7.0F, kNone});
+  expect_equal(extend_to_borders(row, 1), make_row({kNone, 4.0F, 4.0F, kNone, 7.0F, 7.0F}));
+  expect_equal(extend_to_borders(row, 5000), make_row({4.0F, 4.0F, 4.0F, kNone, 7.0F, 7.0F}));
+}
+
+TEST(Postprocess, AdaptiveMeanEqualsItsDefinition) {
+  std::vector<float> values;
+  cv::RNG random(9);
+  for (int i = 0; i < 41; ++i) values.push_back(i % 7 == 3 ? kNone : random.uniform(0.0F, 9.0F));
+  expect_equal(filter_adaptive_mean(make_row(values)), make_row(reference::adaptive_mean(values)));
+}
+
+TEST(Postprocess, AdaptiveMeanLeavesStepsAndSlopes) {
+  const cv::Mat1f step = make_row({8.0F, 8.0F, 8.0F, 8.0F, 12.0F, 12.0F, 12.0F, 12.0F});
+  expect_equal(filter_adaptive_mean(step), step);
+  cv::Mat1f slope(15, 21);
+  for (int v = 0; v < slope.rows; ++v) {
+    for (int u = 0; u < slope.cols; ++u) slope(v, u) = 30.0F + 0.25F * static_cast<float>(u) + 0.125F * static_cast<float>(v);
+  }
+  const cv::Rect inner(3, 3, 15, 9);
+  EXPECT_LT(cv::norm(filter_adaptive_mean(slope)(inner), slope(inner), cv::NORM_INF), 1e-4);
+}
+
+TEST(Postprocess, AdaptiveMeanNeverMixesInWhatIsInvalid) {
+  // 0 and the marker -1 differ by less than 4.
+  const cv::Mat1f row = make_row({0.0F, kNone, 0.0F, 0.0F});
+  expect_equal(filter_adaptive_mean(row), row);
+}
+
+TEST(Postprocess, MedianTakesValidPixelsOnly) {
+  // Windows: {3 5 9 1}, -, {3 5 9 1 7}, {3 5 9 1 7}, {3 .. 7}; the lower of the two middle ones where the number is even.
+  const cv::Mat1f row = make_row({3.0F, kNone, 5.0F, 9.0F, 1.0F, 7.0F});
+  expect_equal(filter_median(row), make_row({5.0F, kNone, 5.0F, 5.0F, 5.0F, 5.0F}));
+}
+
+TEST(Postprocess, MedianRemovesASpike) {
+  cv::Mat1f disparity(9, 9, 20.0F);
+  disparity(4, 4) = 90.0F;
+  expect_equal(filter_median(disparity), cv::Mat1f(9, 9, 20.0F));
+}
+
+}  // namespace
+}  // namespace brink
