@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
@@ -25,10 +26,12 @@ struct BenchOptions {
   bool json = false;
 };
 
-constexpr std::pair<const char*, double StageTimes::*> kStages[] = {
-    {"disparity", &StageTimes::disparity},       {"ground", &StageTimes::ground}, {"below_ground", &StageTimes::below_ground},
-    {"no_disparity", &StageTimes::no_disparity}, {"total", &StageTimes::total},
-};
+using Stage = std::pair<const char*, double StageTimes::*>;
+constexpr std::array<Stage, 5> kStages{{{"disparity", &StageTimes::disparity},
+                                        {"ground", &StageTimes::ground},
+                                        {"below_ground", &StageTimes::below_ground},
+                                        {"no_disparity", &StageTimes::no_disparity},
+                                        {"total", &StageTimes::total}}};
 
 /// The smallest value that at least this share of all values do not exceed. @param sorted ascending, not empty.
 double quantile(const std::vector<double>& sorted, double share) {
@@ -69,6 +72,7 @@ Json summarise(const std::vector<StageTimes>& times) {
   Json stages;
   for (const auto& [name, member] : kStages) {
     std::vector<double> values;
+    values.reserve(times.size());
     for (const StageTimes& one : times) values.push_back(one.*member);
     std::sort(values.begin(), values.end());
     stages[name] = {{"median", quantile(values, 0.5)}, {"p95", quantile(values, 0.95)}, {"max", values.back()}};

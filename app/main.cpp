@@ -1,5 +1,5 @@
+#include <array>
 #include <csignal>
-#include <cstdlib>
 #include <exception>
 #include <map>
 #include <memory>
@@ -22,16 +22,20 @@ struct Command {
   Run (*add)(CLI::App&);
 };
 
-constexpr Command kCommands[] = {
+constexpr std::array<Command, 4> kCommands{{
     {"detect", "Find where the ground goes down, in one stereo pair or a sequence", add_detect},
     {"disparity", "Compute the disparity image of one stereo pair", add_disparity},
     {"params", "List every parameter with its value, unit and meaning", add_params},
     {"bench", "Measure how long each stage takes on this machine", add_bench},
-};
+}};
 
 /// Help as sentences, one line for each option: a screen reader reads it from left to right, columns would tear it apart.
 class PlainFormatter : public CLI::Formatter {
  public:
+  PlainFormatter() {
+    label("Positionals", "Input");
+    label("SUBCOMMAND", "COMMAND");
+  }
   std::string make_option(const CLI::Option* option, bool is_positional) const override {
     std::string line = "  " + make_option_name(option, is_positional);
     if (!is_positional && !option->get_type_name().empty()) line += " " + option->get_type_name();
@@ -58,7 +62,7 @@ int run(int argc, char** argv) {
       "brink is an aid beside cane or dog, not a certified safety function.");
   std::map<const CLI::App*, Run> runs;
   for (const Command& command : kCommands) {
-    CLI::App* subcommand = app.add_subcommand(command.name, command.summary);
+    CLI::App* subcommand = app.add_subcommand(command.name, command.summary)->group("Commands");
     runs[subcommand] = command.add(*subcommand);
   }
   try {

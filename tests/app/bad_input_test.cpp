@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
@@ -206,8 +207,7 @@ TEST_F(BadInput, PicturesWithoutGroundAreNoError) {
   add("black.png", encoded(".png", cv::Mat1b(120, 160, uchar{0})));
   add("white.png", encoded(".png", cv::Mat1b(120, 160, uchar{255})));
   for (const std::string name : {"black.png", "white.png", "good.png"}) {
-    const std::string picture = folder_ / name;
-    const CommandResult result = run_command("detect " + picture + " --right " + picture + " --calib " + folder_ / "good.txt");
+    const CommandResult result = run_command(in_folder(fmt::format("detect @{0} --right @{0} --calib @good.txt", name)));
     EXPECT_EQ(result.exit_code, 0) << name << result.errors;
     const nlohmann::json detection = detections_of(result.output).at(0);
     EXPECT_EQ(detection["status"], "ok") << name;

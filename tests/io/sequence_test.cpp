@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
@@ -27,8 +28,8 @@ std::string picture(int level, int type = CV_8UC1, cv::Size size = {48, 40}) {
 void fill(const test::TemporaryFolder& folder, const std::string& left = "image_0", const std::string& right = "image_1") {
   (void)folder.add("calib.txt", kCalibration);
   for (const std::string name : {"000000.png", "000001.png", "000002.png"}) {
-    (void)folder.add(left + "/" + name, picture(10));
-    (void)folder.add(right + "/" + name, picture(20));
+    (void)folder.add(fmt::format("{}/{}", left, name), picture(10));
+    (void)folder.add(fmt::format("{}/{}", right, name), picture(20));
   }
 }
 
