@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 
 #include "brink/camera.hpp"
+#include "brink/imu.hpp"
 #include "brink/sim/render.hpp"
 #include "brink/sim/scene.hpp"
 
@@ -51,15 +52,6 @@ class HeadMotion {
   std::vector<Look> looks_;
 };
 
-/// One reading in the left camera frame.
-struct ImuSample {
-  double time = 0.0;                                         ///< s
-  Eigen::Vector3d angular_rate = Eigen::Vector3d::Zero();    ///< rad/s
-  Eigen::Vector3d specific_force = Eigen::Vector3d::Zero();  ///< m/s^2: acceleration less gravity, 9.81 upwards at rest
-};
-
-inline constexpr double kGravity = 9.81;  ///< m/s^2, along -z of the world
-
 /// Noise of a typical MEMS sensor, as in phones. White noise plus a bias that wanders around zero: a first-order Gauss-Markov
 /// process with the given standard deviation.
 struct ImuParams {
@@ -72,7 +64,7 @@ struct ImuParams {
   void validate() const;             ///< @throws std::invalid_argument "imu.name = value, must be ..."
 };
 
-/// What an IMU in the left camera reads from time 0 to duration_s, both included.
+/// What an IMU in the left camera reads, gravity being along -z of the world, from time 0 to duration_s, both included.
 /// @throws std::invalid_argument when the parameters are not valid or the duration is negative.
 std::vector<ImuSample> make_imu(const CameraMotion& world_from_camera, double duration_s, const ImuParams& params,
                                 unsigned seed);
