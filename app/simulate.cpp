@@ -54,9 +54,12 @@ void write_frames(sim::Simulator& simulator, const SequenceWriter& writer, int j
       progress.skip();
       continue;
     }
-    const sim::SimulatedFrame made = simulator.frame(frame);
-    if (!made.left.empty()) writer.write_pictures(frame, made.left, made.right, jpeg_quality);
-    writer.write_truth(frame, made.truth.disparity, made.truth.obstacle);
+    if (!simulator.is_dropped(frame)) {
+      const sim::StereoPictures pictures = simulator.pictures(frame);
+      writer.write_pictures(frame, pictures.left, pictures.right, jpeg_quality);
+    }
+    const sim::Truth truth = simulator.truth(frame);
+    writer.write_truth(frame, truth.disparity, truth.obstacle);
     progress.tell(frame + 1);
   }
 }

@@ -157,14 +157,10 @@ std::vector<ImuSample> Simulator::imu() const {
   return make_imu(walker_->motion, time(params().frames - 1), {}, static_cast<unsigned>(params().seed));
 }
 
-SimulatedFrame Simulator::frame(int frame) {
-  SimulatedFrame made;
-  made.truth =
-      walker_->renderer.trace(walker_->camera, {params().width, params().height}, walker_->motion(time(frame)), time(frame));
-  if (is_dropped(frame)) return made;
-  made.left = walker_->picture(frame, 0);
-  made.right = walker_->picture(frame, 1);
-  return made;
+StereoPictures Simulator::pictures(int frame) { return {walker_->picture(frame, 0), walker_->picture(frame, 1)}; }
+
+Truth Simulator::truth(int frame) {
+  return walker_->renderer.trace(walker_->camera, {params().width, params().height}, walker_->motion(time(frame)), time(frame));
 }
 
 }  // namespace brink::sim

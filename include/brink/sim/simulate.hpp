@@ -86,11 +86,10 @@ struct SimulationParams {
   void validate() const;            ///< @throws std::invalid_argument "name = value, must be ..."
 };
 
-/// One rendered frame with its truth.
-struct SimulatedFrame {
-  cv::Mat3b left;   ///< BGR; empty when the frame was dropped
-  cv::Mat3b right;  ///< BGR, size of left
-  Truth truth;
+/// What the two eyes see, 8-bit BGR.
+struct StereoPictures {
+  cv::Mat3b left;
+  cv::Mat3b right;
 };
 
 /// A virtual walk. Every frame is a function of the parameters and its number alone, so frames can be made in any order, and
@@ -111,8 +110,9 @@ class Simulator {
   [[nodiscard]] std::vector<Instance> instances() const;
   /// From frame 0 to the last one.
   [[nodiscard]] std::vector<ImuSample> imu() const;
-  /// @param frame 0 .. params().frames - 1.
-  [[nodiscard]] SimulatedFrame frame(int frame);
+  // The frame is 0 .. params().frames - 1.
+  [[nodiscard]] StereoPictures pictures(int frame);
+  [[nodiscard]] Truth truth(int frame);
 
  private:
   class Walker;
