@@ -1,28 +1,32 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <random>
 
 namespace brink::sim {
 
-/// Seeded random numbers that are the same with every standard library: the distributions of <random> are not.
+/// Draws that are equal on every machine: the standard's distributions differ from library to library, its generator does not.
 class Random {
  public:
-  explicit Random(unsigned seed) : engine_(seed) {}
+  explicit Random(std::uint32_t seed) : generator_(seed) {}
 
-  /// Evenly in [0, 1).
-  double uniform() { return static_cast<double>(engine_()) / 4294967296.0; }
-  /// Evenly in [low, high).
-  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+  /// In [low, high).
+  double uniform(double low, double high) { return low + (high - low) * static_cast<double>(generator_()) / 4294967296.0; }
   /// Standard normal, by Box and Muller (1958).
   double normal() {
-    const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
-    return radius * std::cos(2.0 * std::numbers::pi * uniform());
+    const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform(0.0, 1.0)));
+    return radius * std::cos(uniform(0.0, 2.0 * std::numbers::pi));
   }
+  /// In [low, high], both included.
+  int integer(int low, int high) { return low + static_cast<int>(uniform(0.0, static_cast<double>(high - low + 1))); }
+  bool chance(double probability) { return uniform(0.0, 1.0) < probability; }
+  /// 1 or -1.
+  double sign() { return chance(0.5) ? 1.0 : -1.0; }
 
  private:
-  std::mt19937 engine_;  // its sequence is fixed by the standard
+  std::mt19937 generator_;
 };
 
 }  // namespace brink::sim

@@ -28,7 +28,7 @@ StereoCamera make_camera(const SimulationParams& params) {
 std::vector<bool> choose_dropped(const SimulationParams& params) {
   Random random(static_cast<unsigned>(params.seed));
   std::vector<bool> dropped;
-  for (int frame = 0; frame < params.frames; ++frame) dropped.push_back(random.uniform() < params.dropped && frame > 0);
+  for (int frame = 0; frame < params.frames; ++frame) dropped.push_back(random.chance(params.dropped) && frame > 0);
   return dropped;
 }
 
