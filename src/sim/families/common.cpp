@@ -114,6 +114,25 @@ std::optional<Eigen::Vector2d> Site::take_spot(const Eigen::AlignedBox2d& area, 
 
 double Site::next_flat_z() { return 0.0015 + 0.0001 * static_cast<double>(flat_things++); }
 
+Line weave_past(const Eigen::Vector2d& start, const std::vector<Hazard>& hazards) {
+  Line line{start};
+  for (const auto& [center, half, aside_y] : hazards) {
+    line.emplace_back(center.x() - half.x() - 1.8, std::lerp(start.y(), center.y(), 0.8));
+    line.emplace_back(center.x() - half.x() - 0.2, aside_y);
+    line.emplace_back(center.x() + half.x() + 0.2, aside_y);
+  }
+  return line;
+}
+
+int add_pavement_material(Site& site) {
+  const int kind = site.random.integer(0, 3);
+  const Material material = kind == 0   ? materials::asphalt()
+                            : kind == 1 ? materials::concrete()
+                            : kind == 2 ? materials::cobbles()
+                                        : materials::paving();
+  return site.add_material(materials::varied(material, site.random));
+}
+
 void add_shaft(Site& site, const Line& line, bool closed, double depth, int material, int obstacle) {
   site.add(make_wall(line, closed, -depth, 0.0), material, obstacle);
 }

@@ -58,6 +58,16 @@ struct Site {
   int flat_things = 0;  ///< laid so far
 };
 
+/// Something in the way of the walk, and the line (a value of y) on which the walker gets past it.
+struct Hazard {
+  Eigen::Vector2d center;
+  Eigen::Vector2d half_size;
+  double aside_y;
+};
+
+/// Along +x from a start, straight at each hazard (given in order of x), aside in time, and past it.
+Line weave_past(const Eigen::Vector2d& start, const std::vector<Hazard>& hazards);
+
 /// One function for each family. They throw nothing of their own.
 void build_stairs(Site& site);
 void build_platform(Site& site);
@@ -65,6 +75,18 @@ void build_manholes(Site& site);
 void build_street(Site& site);
 void build_control(Site& site);
 void build_motion(Site& site);
+
+/// A place without any hole around a given path: control and motion.
+struct OpenPlace {
+  Line approach;
+  int solids;
+  int flats;
+  int people;
+};
+void build_open_place(Site& site, const OpenPlace& place);
+
+/// A material for pavements and places, varied.
+int add_pavement_material(Site& site);
 
 /// The side walls of an opening (or some of them), from the ground down.
 void add_shaft(Site& site, const Line& line, bool closed, double depth, int material, int obstacle);

@@ -8,12 +8,6 @@
 namespace brink::sim {
 namespace {
 
-/// A hole in the way and how far the walker must stay from its middle.
-struct Hazard {
-  Eigen::Vector2d center;
-  Eigen::Vector2d half_size;
-};
-
 void add_manhole(Site& site, const Eigen::Vector2d& center, double radius, double depth) {
   const Polygon rim = make_circle(center, radius, 32);
   const int id = site.add_instance("manhole", depth, rim);
@@ -43,24 +37,6 @@ void add_lower_area(Site& site, const Hazard& hazard, bool trench) {
   site.openings.push_back(rim);
 }
 
-/// Towards each hazard, aside, past it; the last one ends the walk 0.9 m before its rim.
-Line make_approach(Random& random, const std::vector<Hazard>& hazards, double run_up) {
-  Line line{{hazards.front().center.x() - run_up, 0.0}};
-  for (std::size_t i = 0; i < hazards.size(); ++i) {
-    const auto& [center, half] = hazards[i];
-    const double before = center.x() - half.x();
-    if (i + 1 == hazards.size()) {
-      line.emplace_back(before - 0.9, center.y());
-      break;
-    }
-    const double aside = center.y() + random.sign() * (half.y() + random.uniform(0.6, 0.85));
-    line.emplace_back(before - 1.3, 0.7 * center.y());
-    line.emplace_back(before - 0.35, aside);
-    line.emplace_back(center.x() + half.x() + 0.2, aside);
-  }
-  return line;
-}
-
 std::vector<Hazard> place_hazards(Site& site) {
   Random& random = site.random;
   const double spacing = std::clamp(site.path_length() / 3.6, 3.0, 5.0);
@@ -73,13 +49,14 @@ std::vector<Hazard> place_hazards(Site& site) {
     const double radius = random.uniform(0.3, 0.4);
     if (order[i] == 0) add_manhole(site, center, radius, random.uniform(0.4, 0.8));
     if (order[i] == 1) add_manhole(site, center, radius, random.uniform(2.5, 4.0));
-    Hazard hazard{.center = center, .half_size = Eigen::Vector2d::Constant(radius)};
+    Hazard hazard{.center = center, .half_size = Eigen::Vector2d::Constant(radius), .aside_y = 0.0};
     if (order[i] == 2) {
       const bool trench = random.chance(0.4);
       hazard.half_size = trench ? Eigen::Vector2d(random.uniform(0.25, 0.4), random.uniform(0.9, 1.6))
                                 : Eigen::Vector2d(random.uniform(0.6, 0.9), random.uniform(0.7, 1.1));
       add_lower_area(site, hazard, trench);
     }
+    hazard.aside_y = center.y() + random.sign() * (hazard.half_size.y() + random.uniform(0.6, 0.85));
     hazards.push_back(hazard);
   }
   return hazards;
@@ -96,8 +73,11 @@ Material pick_ground(Random& random) {
 }  // namespace
 
 void build_manholes(Site& site) {
-  const std::vector<Hazard> hazards = place_hazards(site);
-  const Line approach = make_approach(site.random, hazards, 5.0);
+  std::vector<Hazard> hazards = place_hazards(site);
+  const Hazard last = hazards.back();
+  hazards.pop_back();
+  Line approach = weave_past({-5.0, 0.0}, hazards);
+  approach.emplace_back(last.center.x() - last.half_size.x() - 0.9, last.center.y());
   const double side = site.random.sign() * 3.4;
   const double end = approach.back().x();
   site.set_path(approach,
