@@ -1,17 +1,27 @@
 #include "common.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
+#include <unistd.h>
 
 #include "brink/files.hpp"
 #include "brink/parameters.hpp"
 
 namespace brink::app {
+namespace {
+
+constexpr const char* kClearLine = "\r\x1b[K";  // on a terminal; there a bar may stand in the line
+
+bool is_terminal() { return ::isatty(STDERR_FILENO) != 0; }
+
+}  // namespace
 
 void add_method_options(CLI::App& command, MethodOptions& options) {
   command.add_option("--method", options.method, "brink: what measures best, or paper: the rules of the paper to the letter")
@@ -87,7 +97,26 @@ std::unique_ptr<tbb::global_control> limit_threads(int threads) {
 
 void say(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
-  fmt::print(stderr, "brink: {}\n", text);
+  fmt::print(stderr, "{}brink: {}\n", is_terminal() ? kClearLine : "", text);
+}
+
+Progress::Progress(int frames) : frames_(frames), shown_(is_terminal()) {}
+
+void Progress::tell(int done) {
+  const auto now = std::chrono::steady_clock::now();
+  if (!shown_ || (done < frames_ && now - last_ < std::chrono::seconds(1))) return;
+  last_ = now;
+  if (done == frames_) {
+    fmt::print(stderr, "{}", kClearLine);
+    return;
+  }
+  constexpr int kBar = 30;
+  constexpr int kMinute = 60;
+  const double each = std::chrono::duration<double>(now - start_).count() / (done - skipped_);
+  const int left = static_cast<int>(std::ceil(each * (frames_ - done)));
+  const auto filled = static_cast<std::size_t>(static_cast<std::int64_t>(kBar) * done / frames_);
+  fmt::print(stderr, "{}[{:-<{}}] {} of {} frames, {} min {:02} s left", kClearLine, std::string(filled, '#'), kBar, done,
+             frames_, left / kMinute, left % kMinute);
 }
 
 void print(std::string_view text) {

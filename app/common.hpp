@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -53,10 +54,28 @@ void say(std::string text);
 /// A result, on standard output. @throws std::runtime_error when it cannot be written.
 void print(std::string_view text);
 
+/// Says on a terminal how far the work is and how long it will still take; elsewhere nothing.
+class Progress {
+ public:
+  explicit Progress(int frames);
+  /// One frame was there already: it takes no time.
+  void skip() { ++skipped_; }
+  /// @param done frames, with those skipped.
+  void tell(int done);
+
+ private:
+  int frames_;
+  int skipped_ = 0;
+  bool shown_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point last_ = start_;
+};
+
 // The subcommands: each adds its options and tells what to run.
 Run add_detect(CLI::App& command);
 Run add_disparity(CLI::App& command);
 Run add_params(CLI::App& command);
 Run add_bench(CLI::App& command);
+Run add_simulate(CLI::App& command);
 
 }  // namespace brink::app

@@ -1,10 +1,8 @@
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "brink/detections.hpp"
 #include "brink/files.hpp"
@@ -53,23 +51,6 @@ struct Summary {
     if (!last_reason.empty()) text += fmt::format(" ({})", last_reason);
     return text + fmt::format("; obstacles: {}", obstacles);
   }
-};
-
-/// Says on a terminal how far the work is, once a second.
-class Progress {
- public:
-  explicit Progress(int frames) : frames_(frames), shown_(::isatty(STDERR_FILENO) != 0) {}
-  void tell(int done) {
-    const auto now = std::chrono::steady_clock::now();
-    if (!shown_ || now - last_ < std::chrono::seconds(1)) return;
-    last_ = now;
-    say(fmt::format("{} of {} frames", done, frames_));
-  }
-
- private:
-  int frames_;
-  bool shown_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
 void write_overlays(const OutputFolder& folder, const Frame& frame, const Detection& detection, const CandidateParams& params) {

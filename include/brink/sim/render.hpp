@@ -50,8 +50,8 @@ class Renderer {
   [[nodiscard]] double ground_height(double x, double y, double z) const;
 
  private:
-  class Tracer;
-  std::unique_ptr<Tracer> tracer_;
+  struct Model;
+  std::unique_ptr<Model> model_;
 };
 
 /// What a sensor does to light. docs/simulator.md tells where the defaults come from.
@@ -60,6 +60,7 @@ struct SensorParams {
   double gain_difference = 0.02;    ///< right eye's gain is larger by this share
   double noise = 1.0;               ///< factor on shot and read noise; 0 = none
   double vignetting = 0.15;         ///< share of light lost in the corners
+  double blur_px = 0.5;             ///< lens, pixel area and colour interpolation: standard deviation, 0..1
   int jpeg_quality = 0;             ///< 1..100; 0 = no JPEG
   double vertical_offset_px = 0.0;  ///< mis-rectification of the right picture
   double rotation_deg = 0.0;        ///< mis-rectification of the right picture, about its centre

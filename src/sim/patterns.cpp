@@ -1,0 +1,284 @@
+#include "patterns.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace brink::sim {
+namespace {
+
+/// Where in a pattern a place lies.
+struct Shade {
+  float mix;         ///< share of second_color, 0..1
+  float brightness;  ///< factor on the mixed colour, mean 1
+};
+
+/// How strongly a surface varies on which scale: standard deviation of an octave with cells of size c is
+/// floor + peak * min(c / peak_m, peak_m / c), relative to the mean. docs/simulator.md compares it with real roads.
+struct Grain {
+  float peak_m;  ///< size of the grains
+  float peak;    ///< what they add
+  float floor;   ///< of all coarser variation: patches, dirt, wear
+};
+
+constexpr float kFinestCell = 0.002F;  // m; the nearest ground has 1-2 mm per ray, so nothing finer is ever seen
+constexpr float kLargestReflectance = 0.95F;
+
+float smooth(float x) {
+  x = std::clamp(x, 0.0F, 1.0F);
+  return x * x * (3.0F - 2.0F * x);
+}
+
+/// 1 for features that the footprint resolves, falling to 0 where it is as large as they are.
+float visibility(float cell, float footprint) { return std::clamp(cell / footprint - 1.0F, 0.0F, 1.0F); }
+
+/// Quintic weight, twice differentiable: no creases at the cells' borders.
+float ease(float x) { return x * x * x * (x * (x * 6.0F - 15.0F) + 10.0F); }
+
+/// Value noise on the integer lattice, mean 0, variance 1.
+float lattice_noise(const Eigen::Vector3f& p, std::uint32_t seed) {
+  // The weights' mean square sum per axis is 181/231, the variance of uniform values in [-1, 1] is 1/3.
+  constexpr float kToUnitVariance = 2.4973F;
+  const float fx = std::floor(p.x());
+  const float fy = std::floor(p.y());
+  const float fz = std::floor(p.z());
+  const auto coordinate = [](float f, std::uint32_t prime) { return static_cast<std::uint32_t>(static_cast<int>(f)) * prime; };
+  constexpr std::uint32_t kX = 0x8da6b343U;
+  constexpr std::uint32_t kY = 0xd8163841U;
+  constexpr std::uint32_t kZ = 0xcb1ab31fU;
+  const std::uint32_t x = coordinate(fx, kX);
+  const std::uint32_t y = coordinate(fy, kY);
+  const std::uint32_t z = coordinate(fz, kZ);
+  const auto corner = [&](std::uint32_t cx, std::uint32_t cy, std::uint32_t cz) {
+    std::uint32_t h = cx ^ cy ^ cz ^ seed;
+    h ^= h >> 15U;
+    h *= 0x2c1b3c6dU;
+    h ^= h >> 13U;
+    return static_cast<float>(static_cast<std::int32_t>(h * 0x297a2d39U));
+  };
+  const float wx = ease(p.x() - fx);
+  const float wy = ease(p.y() - fy);
+  const float wz = ease(p.z() - fz);
+  const auto along_x = [&](std::uint32_t cy, std::uint32_t cz) {
+    const float a = corner(x, cy, cz);
+    return a + wx * (corner(x + kX, cy, cz) - a);
+  };
+  const float a = along_x(y, z);
+  const float b = along_x(y, z + kZ);
+  const float near = a + wy * (along_x(y + kY, z) - a);
+  const float far = b + wy * (along_x(y + kY, z + kZ) - b);
+  return (near + wz * (far - near)) * (kToUnitVariance * 0x1p-31F);
+}
+
+/// Turns by an oblique angle, so that the lattices of two octaves never line up with each other or with the world.
+Eigen::Vector3f tilt(const Eigen::Vector3f& p) {
+  return {0.80F * p.y() + 0.60F * p.z(), -0.80F * p.x() + 0.36F * p.y() - 0.48F * p.z(),
+          -0.60F * p.x() - 0.48F * p.y() + 0.64F * p.z()};
+}
+
+/// Relative variation of a surface: octaves from the coarsest cell down to what the footprint resolves.
+float sum_octaves(const SurfacePoint& point, float coarsest, const Grain& grain, std::uint32_t seed) {
+  Eigen::Vector3f p = tilt(point.position) / coarsest;
+  float sum = 0.0F;
+  for (float cell = coarsest; cell >= kFinestCell; cell *= 0.5F) {
+    const float seen = visibility(cell, point.footprint);
+    if (seen <= 0.0F) break;
+    const float strength = grain.floor + grain.peak * std::min(cell / grain.peak_m, grain.peak_m / cell);
+    sum += seen * strength * lattice_noise(p, seed);
+    seed = seed * 0x9e3779b9U + 1U;
+    p = 2.0F * tilt(p);
+  }
+  return sum;
+}
+
+/// Two coordinates in the plane that the normal chooses: floors get (x, y), walls one horizontal axis and z.
+Eigen::Vector2f flatten(const SurfacePoint& point) {
+  const Eigen::Vector3f n = point.normal.cwiseAbs();
+  if (n.z() >= n.x() && n.z() >= n.y()) return point.position.head<2>();
+  return {n.x() > n.y() ? point.position.y() : point.position.x(), point.position.z()};
+}
+
+std::uint32_t hash_cell(float x, float y, std::uint32_t seed) {
+  return mix_bits(static_cast<std::uint32_t>(static_cast<int>(x)) * 0x8da6b343U ^
+                  static_cast<std::uint32_t>(static_cast<int>(y)) * 0xd8163841U ^ seed);
+}
+
+/// The nearest of jittered points, one in each cell of a plane (Worley), with how much nearer it is than the next.
+struct Stone {
+  std::uint32_t hash;
+  float gap;  ///< distance to the next point less that to the nearest, cells
+};
+
+Stone find_stone(const Eigen::Vector2f& p, std::uint32_t seed) {
+  const float cx = std::floor(p.x());
+  const float cy = std::floor(p.y());
+  float first = std::numeric_limits<float>::max();
+  float second = first;
+  Stone stone{0U, 0.0F};
+  for (float y = cy - 1.0F; y <= cy + 1.0F; ++y) {
+    for (float x = cx - 1.0F; x <= cx + 1.0F; ++x) {
+      const std::uint32_t hash = hash_cell(x, y, seed);
+      const float dx = x + to_unit(hash) - p.x();
+      const float dy = y + to_unit(hash << 12U) - p.y();
+      const float squared = dx * dx + dy * dy;
+      if (squared < first) stone.hash = hash;
+      second = std::min(second, std::max(first, squared));
+      first = std::min(first, squared);
+    }
+  }
+  stone.gap = std::sqrt(second) - std::sqrt(first);
+  return stone;
+}
+
+/// Stones of random brightness with dark gaps between them.
+Shade shade_gravel(const SurfacePoint& point, float cell, std::uint32_t seed) {
+  constexpr Grain kStone{0.003F, 0.10F, 0.04F};
+  const float surface = 1.0F + sum_octaves(point, 32.0F * cell, kStone, seed);
+  const float seen = visibility(cell, point.footprint);
+  if (seen <= 0.0F) return {0.5F, surface};
+  const Stone stone = find_stone(flatten(point) / cell, seed);
+  // 0.77 is the mean of smooth(gap / 0.3), so that the brightness keeps its mean where stones blur.
+  const float lit = 0.35F + 0.65F / 0.77F * smooth(stone.gap / 0.3F) + 0.5F * (to_unit(stone.hash * 0x9e3779b9U) - 0.5F);
+  return {0.5F + seen * (to_unit(stone.hash << 7U) - 0.5F), surface * (1.0F + seen * (lit - 1.0F))};
+}
+
+/// Fallen leaves: on half of the cells an ellipse of second_color, turned and shaded at random.
+Shade shade_leaves(const SurfacePoint& point, float cell, std::uint32_t seed) {
+  constexpr Grain kLitter{0.01F, 0.16F, 0.08F};
+  Shade shade{0.3F, 1.0F + sum_octaves(point, 8.0F * cell, kLitter, seed)};
+  const float seen = visibility(cell, point.footprint);
+  if (seen <= 0.0F) return shade;
+  const Eigen::Vector2f p = flatten(point) / cell;
+  const float cx = std::floor(p.x());
+  const float cy = std::floor(p.y());
+  float cover = 0.0F;
+  std::uint32_t top = 0U;
+  for (float y = cy - 1.0F; y <= cy + 1.0F; ++y) {
+    for (float x = cx - 1.0F; x <= cx + 1.0F; ++x) {
+      const std::uint32_t hash = hash_cell(x, y, seed);
+      if ((hash & 1U) != 0U || hash < top) continue;
+      const Eigen::Vector2f to_center = p - Eigen::Vector2f(x + to_unit(hash), y + to_unit(hash << 12U));
+      const Eigen::Vector2f axis =
+          Eigen::Vector2f(to_unit(hash << 5U) - 0.5F, to_unit(hash << 17U) - 0.5F + 1e-3F).normalized();
+      const float along = to_center.dot(axis) / 0.55F;
+      const float across = (to_center.x() * axis.y() - to_center.y() * axis.x()) / 0.28F;
+      const float inside = smooth(4.0F * (1.0F - along * along - across * across));
+      if (inside <= 0.0F) continue;
+      cover = inside;
+      top = hash;
+    }
+  }
+  shade.mix += seen * (cover - shade.mix);
+  if (cover > 0.0F) shade.brightness *= 1.0F + seen * 0.7F * (to_unit(top * 0x9e3779b9U) - 0.5F);
+  return shade;
+}
+
+/// Share of a line of the given width that the footprint covers, centre at the given distance.
+float cover_line(float distance, float width, float footprint) {
+  const float soft = std::max(footprint, 0.2F * width);
+  return std::clamp((0.5F * width - std::abs(distance)) / soft + 0.5F, 0.0F, 1.0F) * std::min(1.0F, width / soft);
+}
+
+/// Square slabs with joints of second_color; no two slabs are equally bright.
+Shade shade_tiles(const SurfacePoint& point, float cell, std::uint32_t seed) {
+  constexpr Grain kSlab{0.003F, 0.07F, 0.03F};
+  const float width = std::clamp(0.02F * cell, 0.003F, 0.01F);
+  const float mean_cover = 2.0F * width / cell;
+  Shade shade{mean_cover, 1.0F + sum_octaves(point, 4.0F * cell, kSlab, seed)};
+  const float seen = visibility(cell, point.footprint);
+  if (seen <= 0.0F) return shade;
+  const Eigen::Vector2f p = flatten(point) / cell;
+  const Eigen::Vector2f tile(std::floor(p.x()), std::floor(p.y()));
+  const Eigen::Vector2f to_joint = (p - tile - Eigen::Vector2f(0.5F, 0.5F)).cwiseAbs();
+  const float distance = (0.5F - to_joint.maxCoeff()) * cell;
+  shade.mix += seen * (cover_line(distance, width, point.footprint) - mean_cover);
+  shade.brightness *= 1.0F + seen * 0.2F * (to_unit(hash_cell(tile.x(), tile.y(), seed)) - 0.5F);
+  return shade;
+}
+
+/// Domes in a square grid, each with a lit and a shaded flank, on second_color.
+Shade shade_tactile(const SurfacePoint& point, float cell, std::uint32_t seed) {
+  constexpr Grain kSlab{0.003F, 0.06F, 0.03F};
+  constexpr float kRadius = 0.33F;    // cells
+  constexpr float kMeanCover = 0.3F;  // about pi kRadius^2, with the soft edge
+  Shade shade{kMeanCover, 1.0F + sum_octaves(point, 8.0F * cell, kSlab, seed)};
+  const float seen = visibility(cell, point.footprint);
+  if (seen <= 0.0F) return shade;
+  const Eigen::Vector2f p = flatten(point) / cell;
+  const Eigen::Vector2f from_center(p.x() - std::floor(p.x()) - 0.5F, p.y() - std::floor(p.y()) - 0.5F);
+  const float cover = smooth((kRadius - from_center.norm()) / 0.1F + 0.5F);
+  shade.mix += seen * (cover - kMeanCover);
+  shade.brightness *= 1.0F + seen * cover * 0.5F * (from_center.x() + from_center.y()) / kRadius;
+  return shade;
+}
+
+/// Grain everywhere and stains of second_color on a third of the surface.
+Shade shade_stained(const SurfacePoint& point, float cell, const Grain& grain, std::uint32_t seed) {
+  constexpr float kMeanCover = 0.33F;
+  const float seen = visibility(cell, point.footprint);
+  float mix = kMeanCover;
+  if (seen > 0.0F) {
+    const float n = lattice_noise(tilt(point.position) / cell, seed ^ 0x5bd1e995U);
+    mix += seen * (smooth(0.5F * n + 0.28F) - kMeanCover);
+  }
+  return {mix, 1.0F + sum_octaves(point, cell, grain, seed)};
+}
+
+/// Grain that is long along one axis: brushed metal along the longest horizontal, blades of grass upwards.
+Shade shade_streaked(SurfacePoint point, float cell, float stretch, const Grain& grain, std::uint32_t seed) {
+  point.position.x() /= stretch;
+  const float brightness = 1.0F + sum_octaves(point, cell, grain, seed);
+  return {std::clamp(0.5F + 0.8F * (brightness - 1.0F), 0.0F, 1.0F), brightness};
+}
+
+Shade compute_shade(const Material& material, const SurfacePoint& point, std::uint32_t seed) {
+  const float cell = material.cell_m;
+  switch (material.pattern) {
+    case Pattern::plain:
+      return {0.0F, 1.0F};
+    case Pattern::asphalt:
+      return shade_stained(point, cell, {0.004F, 0.20F, 0.04F}, seed);
+    case Pattern::concrete:
+      return shade_stained(point, cell, {0.003F, 0.08F, 0.04F}, seed);
+    case Pattern::plaster:
+      return shade_stained(point, cell, {0.002F, 0.05F, 0.025F}, seed);
+    case Pattern::rubber:
+      return shade_stained(point, cell, {0.003F, 0.06F, 0.01F}, seed);
+    case Pattern::cloth:
+      return shade_stained(point, cell, {0.003F, 0.08F, 0.08F}, seed);
+    case Pattern::metal:
+      return shade_streaked(point, cell, 12.0F, {0.004F, 0.06F, 0.03F}, seed);
+    case Pattern::grass:
+      return shade_streaked(point, cell, 1.6F, {0.008F, 0.30F, 0.08F}, seed);
+    case Pattern::tiles:
+      return shade_tiles(point, cell, seed);
+    case Pattern::gravel:
+      return shade_gravel(point, cell, seed);
+    case Pattern::tactile:
+      return shade_tactile(point, cell, seed);
+    case Pattern::leaves:
+      return shade_leaves(point, cell, seed);
+  }
+  return {0.0F, 1.0F};
+}
+
+}  // namespace
+
+float compute_noise(const Eigen::Vector3f& position, float cell, std::uint32_t seed) {
+  return lattice_noise(tilt(position) / cell, seed);
+}
+
+Eigen::Vector3f compute_reflectance(const Material& material, const SurfacePoint& point, std::uint32_t seed) {
+  const Shade shade = compute_shade(material, point, mix_bits(seed + 1U));
+  const float mix = std::clamp(shade.mix, 0.0F, 1.0F) * material.contrast;
+  const float brightness = std::clamp(1.0F + material.contrast * (shade.brightness - 1.0F), 0.1F, 3.0F);
+  const Eigen::Vector3f color = (material.color + mix * (material.second_color - material.color)) * brightness;
+  return color.cwiseMin(kLargestReflectance).cwiseMax(0.0F);
+}
+
+Eigen::Vector3f compute_mean_reflectance(const Material& material) {
+  constexpr float kEverything = 1e9F;
+  return compute_reflectance(material, {Eigen::Vector3f::Zero(), Eigen::Vector3f::UnitZ(), kEverything}, 0U);
+}
+
+}  // namespace brink::sim

@@ -1,0 +1,265 @@
+#include "picture.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include <tbb/blocked_range2d.h>
+#include <tbb/parallel_for.h>
+
+#include "patterns.hpp"
+
+namespace brink::sim {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr std::uint32_t kNext = 0x9e3779b9U;
+constexpr int kMoments = 64;  // poses over the shutter; at 10 px of blur a step is a sixth of a pixel
+
+struct Pose {
+  Eigen::Matrix3f world_from_camera;
+  Eigen::Vector3f origin;
+};
+
+Pose make_pose(const Eigen::Isometry3d& world_from_camera, double eye_x) {
+  const Eigen::Vector3d origin = world_from_camera * Eigen::Vector3d(eye_x, 0.0, 0.0);
+  return {world_from_camera.linear().cast<float>(), origin.cast<float>()};
+}
+
+/// One sample of a pixel: a ray and what it finds.
+struct Sample {
+  int column, row;
+  std::uint32_t random;
+  float time;  ///< 0..1 over the shutter
+  const Pose* pose;
+  Eigen::Vector3f direction;  ///< unit length
+  bool hit;
+  Place place;
+  Eigen::Vector3f to_sun;
+  float sun;  ///< share of the sun's disc that is seen
+};
+
+class Painter {
+ public:
+  Painter(const Scene& scene, const Tracer& tracer, const Lighting& lighting, const StereoCamera& camera,
+          const RenderParams& params, std::vector<Pose> poses, const SkyLight& sky_light, unsigned seed)
+      : scene_(scene),
+        tracer_(tracer),
+        lighting_(lighting),
+        focal_(static_cast<float>(camera.focal)),
+        cx_(static_cast<float>(camera.cx)),
+        cy_(static_cast<float>(camera.cy)),
+        samples_(params.samples),
+        poses_(std::move(poses)),
+        sky_light_(sky_light),
+        seed_(mix_bits(seed)) {}
+
+  /// Paints a part of a picture, in packets of rays that may hold several pixels or part of one.
+  void paint(cv::Mat3f& picture, const cv::Range& rows, const cv::Range& columns) const {
+    const int width = columns.size();
+    const int count = width * rows.size() * samples_;
+    const float share = 1.0F / static_cast<float>(samples_);
+    std::array<Sample, kPacket> packet;
+    for (int first = 0; first < count; first += kPacket) {
+      const int used = std::min(kPacket, count - first);
+      for (int i = 0; i < used; ++i) {
+        const int pixel = (first + i) / samples_;
+        packet[static_cast<std::size_t>(i)] =
+            aim(columns.start + pixel % width, rows.start + pixel / width, (first + i) % samples_, picture.cols);
+      }
+      find_places(packet, used);
+      find_sun(packet, used);
+      for (int i = 0; i < used; ++i) {
+        const Sample& sample = packet[static_cast<std::size_t>(i)];
+        const Eigen::Vector3f light = sample.hit ? shade(sample) : lighting_.sky(sample.direction);
+        picture(sample.row, sample.column) += share * cv::Vec3f(light.z(), light.y(), light.x());
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] Sample aim(int column, int row, int index, int width) const;
+  void find_places(std::array<Sample, kPacket>& packet, int used) const;
+  void find_sun(std::array<Sample, kPacket>& packet, int used) const;
+  [[nodiscard]] Eigen::Vector3f shade(const Sample& sample) const;
+  [[nodiscard]] Eigen::Vector3f add_gloss(const Sample& sample, const Material& material, float footprint,
+                                          const Eigen::Vector3f& diffuse) const;
+
+  const Scene& scene_;
+  const Tracer& tracer_;
+  const Lighting& lighting_;
+  float focal_, cx_, cy_;
+  int samples_;
+  std::vector<Pose> poses_;
+  const SkyLight& sky_light_;
+  std::uint32_t seed_;
+};
+
+/// Samples are jittered in as many columns and rows of the pixel as there are samples (n rooks, Hammersley order), and in as many
+/// parts of the shutter, the order of which differs from pixel to pixel.
+Sample Painter::aim(int column, int row, int index, int width) const {
+  Sample sample{};
+  sample.column = column;
+  sample.row = row;
+  const auto pixel = mix_bits(seed_ + static_cast<std::uint32_t>(row * width + column));
+  sample.random = mix_bits(pixel + static_cast<std::uint32_t>(index) * kNext);
+  const auto n = static_cast<std::uint32_t>(samples_);
+  const auto i = static_cast<std::uint32_t>(index);
+  // For 4 samples the rows 1, 3, 0, 2 of the columns 0, 1, 2, 3; for others a similar stride.
+  const std::uint32_t stride = n / 2U;
+  const std::uint32_t y = n % 2U == 0U ? (i < stride ? 2U * i + 1U : 2U * (i - stride)) : (2U * i + 1U) % n;
+  const auto stratify = [&](std::uint32_t stratum, std::uint32_t bits) {
+    return (static_cast<float>(stratum) + to_unit(bits)) / static_cast<float>(n) - 0.5F;
+  };
+  const float u = static_cast<float>(column) + stratify(i, sample.random) - cx_;
+  const float v = static_cast<float>(row) + stratify(y, sample.random << 12U) - cy_;
+  sample.time = stratify((i + (pixel >> 5U)) % n, mix_bits(sample.random)) + 0.5F;
+  const auto moments = poses_.size();
+  sample.pose = &poses_[std::min(static_cast<std::size_t>(sample.time * static_cast<float>(moments)), moments - 1)];
+  sample.direction = sample.pose->world_from_camera * Eigen::Vector3f(u, v, focal_).normalized();
+  return sample;
+}
+
+void Painter::find_places(std::array<Sample, kPacket>& packet, int used) const {
+  PacketMask mask;
+  RTCRayHit16 rays;
+  for (int i = 0; i < kPacket; ++i) {
+    const auto lane = static_cast<std::size_t>(i);
+    const Sample& sample = packet[i < used ? lane : 0];
+    mask.lanes[lane] = i < used ? -1 : 0;
+    set_lane(rays.ray, i, sample.pose->origin, sample.direction, sample.time);
+    rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  }
+  tracer_.intersect(mask, rays);
+  for (int i = 0; i < used; ++i) {
+    Sample& sample = packet[static_cast<std::size_t>(i)];
+    sample.hit = rays.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+    if (!sample.hit) continue;
+    const Eigen::Vector3f normal(rays.hit.Ng_x[i], rays.hit.Ng_y[i], rays.hit.Ng_z[i]);
+    sample.place = tracer_.locate(sample.pose->origin, sample.direction, rays.ray.tfar[i], sample.time, normal,
+                                  rays.hit.geomID[i], rays.hit.primID[i]);
+  }
+}
+
+/// One ray to the sun each; where they disagree, in the soft edge of a shadow, a few more.
+void Painter::find_sun(std::array<Sample, kPacket>& packet, int used) const {
+  constexpr int kMore = 3;
+  if (!lighting_.has_sun()) return;
+  PacketMask mask;
+  RTCRay16 rays;
+  int tried = 0;
+  for (int i = 0; i < kPacket; ++i) {
+    const auto lane = static_cast<std::size_t>(i);
+    Sample& sample = packet[i < used ? lane : 0];
+    const std::uint32_t random = mix_bits(sample.random + kNext);
+    const Eigen::Vector3f to_sun = lighting_.to_sun(to_unit(random), to_unit(random << 12U));
+    const bool faces = i < used && sample.hit && sample.place.normal.dot(to_sun) > 0.0F;
+    mask.lanes[lane] = faces ? -1 : 0;
+    set_lane(rays, i, faces ? lift(sample.place) : sample.pose->origin, to_sun, sample.time);
+    if (i < used) sample.to_sun = to_sun;
+    tried += faces ? 1 : 0;
+  }
+  if (tried == 0) return;
+  tracer_.occlude(mask, rays);
+  int seen = 0;
+  for (int i = 0; i < used; ++i) {
+    const bool lit = mask.lanes[static_cast<std::size_t>(i)] != 0 && rays.tfar[i] >= 0.0F;
+    packet[static_cast<std::size_t>(i)].sun = lit ? 1.0F : 0.0F;
+    seen += lit ? 1 : 0;
+  }
+  if (seen == 0 || seen == tried) return;
+  for (int i = 0; i < used; ++i) {
+    if (mask.lanes[static_cast<std::size_t>(i)] == 0) continue;
+    Sample& sample = packet[static_cast<std::size_t>(i)];
+    std::uint32_t random = sample.random;
+    for (int more = 0; more < kMore; ++more) {
+      random = mix_bits(random + 2U * kNext);
+      const Eigen::Vector3f to_sun = lighting_.to_sun(to_unit(random), to_unit(random << 12U));
+      sample.sun += tracer_.is_blocked(lift(sample.place), to_sun, sample.time) ? 0.0F : 1.0F;
+    }
+    sample.sun /= static_cast<float>(1 + kMore);
+  }
+}
+
+Eigen::Vector3f Painter::shade(const Sample& sample) const {
+  const Place& place = sample.place;
+  const auto material_index = static_cast<std::size_t>(scene_.meshes[place.mesh].material);
+  const Material& material = scene_.materials[material_index];
+  // A sample stands for its share of the pixel; on a slanted surface that is longer than wide, so the geometric mean.
+  const float distance = (place.position - sample.pose->origin).norm();
+  const float facing = std::max(0.02F, -place.normal.dot(sample.direction));
+  const float footprint = distance / focal_ / std::sqrt(facing * static_cast<float>(samples_));
+  const Eigen::Vector3f reflectance =
+      compute_reflectance(material, {place.body_position, place.normal, footprint}, static_cast<std::uint32_t>(material_index));
+  Eigen::Vector3f irradiance = sky_light_.irradiance(place, sample.time, sample.random);
+  if (sample.sun > 0.0F) irradiance += sample.sun * std::max(0.0F, place.normal.dot(sample.to_sun)) * scene_.light.sun;
+  const Eigen::Vector3f diffuse = reflectance.cwiseProduct(irradiance) / kPi;
+  return material.gloss > 0.0F ? add_gloss(sample, material, footprint, diffuse) : diffuse;
+}
+
+/// Mirrored light, more at grazing angles (Schlick 1994), on a slightly wavy surface; the sun as a lobe around its mirror image.
+Eigen::Vector3f Painter::add_gloss(const Sample& sample, const Material& material, float footprint,
+                                   const Eigen::Vector3f& diffuse) const {
+  constexpr float kWave = 0.04F;       // size, m
+  constexpr float kSlope = 0.03F;      // standard deviation
+  constexpr float kLobe = 129.0F;      // (n + 1) of the lobe cos^n with n = 128, about 7 degrees wide
+  const Place& place = sample.place;
+  Eigen::Vector3f normal = place.normal;
+  if (footprint < kWave) {
+    const Eigen::Vector3f wave(compute_noise(place.body_position, kWave, 1U), compute_noise(place.body_position, kWave, 2U),
+                               compute_noise(place.body_position, kWave, 3U));
+    normal = (normal + kSlope * (1.0F - footprint / kWave) * wave).normalized();
+  }
+  const float facing = std::clamp(-normal.dot(sample.direction), 0.0F, 1.0F);
+  Eigen::Vector3f mirrored = sample.direction + 2.0F * facing * normal;
+  const float below = mirrored.dot(place.normal);
+  if (below < 0.0F) mirrored -= 2.0F * below * place.normal;
+  const float away = 1.0F - facing;
+  const float fresnel = material.gloss + (1.0F - material.gloss) * std::min(1.0F, 4.0F * material.gloss) * away * away * away *
+                                             away * away;
+  Eigen::Vector3f mirror = lighting_.look(lift(place), mirrored.normalized(), sample.time, sample.random);
+  if (sample.sun > 0.0F) {
+    float lobe = std::max(0.0F, mirrored.dot(sample.to_sun));
+    for (int doubling = 0; doubling < 7; ++doubling) lobe *= lobe;
+    mirror += scene_.light.sun * (sample.sun * lobe * kLobe / (2.0F * kPi));
+  }
+  return (1.0F - fresnel) * diffuse + fresnel * mirror;
+}
+
+}  // namespace
+
+cv::Mat3f render_picture(const Scene& scene, const Tracer& tracer, const Lighting& lighting, const StereoCamera& camera,
+                         const cv::Size& size, const CameraMotion& world_from_camera, double time, int eye,
+                         const RenderParams& params, unsigned seed) {
+  const double eye_x = eye * camera.baseline;
+  const int moments = params.shutter_s > 0.0 ? kMoments : 1;
+  std::vector<Pose> poses;
+  for (int i = 0; i < moments; ++i) {
+    poses.push_back(make_pose(world_from_camera(time + params.shutter_s * ((i + 0.5) / moments - 0.5)), eye_x));
+  }
+  const Pose middle = make_pose(world_from_camera(time), eye_x);
+  const SkyLight sky_light(tracer, lighting,
+                           {middle.world_from_camera, middle.origin, static_cast<float>(camera.focal),
+                            static_cast<float>(camera.cx), static_cast<float>(camera.cy), size.width, size.height},
+                           params.sky_rays, seed);
+  const Painter painter(scene, tracer, lighting, camera, params, std::move(poses), sky_light, seed);
+  cv::Mat3f picture(size, cv::Vec3f(0.0F, 0.0F, 0.0F));
+  // Fixed tiles: packets, and with them every bit of the result, are the same for any number of threads.
+  constexpr int kTileRows = 4;
+  constexpr int kTileColumns = 64;
+  const int tile_rows = (size.height + kTileRows - 1) / kTileRows;
+  const int tile_columns = (size.width + kTileColumns - 1) / kTileColumns;
+  tbb::parallel_for(0, tile_rows * tile_columns, [&](int tile) {
+    const int row = tile / tile_columns * kTileRows;
+    const int column = tile % tile_columns * kTileColumns;
+    painter.paint(picture, {row, std::min(row + kTileRows, size.height)},
+                  {column, std::min(column + kTileColumns, size.width)});
+  });
+  return picture;
+}
+
+}  // namespace brink::sim
