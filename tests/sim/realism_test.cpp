@@ -2,6 +2,7 @@
 // the same camera from the same height and angle.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -16,6 +17,7 @@
 #include "brink/ground.hpp"
 #include "brink/sequence.hpp"
 #include "brink/sim/render.hpp"
+#include "sim/materials.hpp"
 #include "test_data.hpp"
 
 namespace brink::sim {
@@ -140,6 +142,87 @@ PictureFigures measure_picture(const GroundView& view) {
   }
   return {percentile(contrasts, 0.5), percentile(gradients, 0.5), percentile(gradients, 0.9), percentile(gradients, 0.99),
           1.4826 / std::numbers::sqrt2 * percentile(differences, 0.5)};
+}
+
+/// Frame 0 of a real sequence; ground is what truth does not call a hole, inside the columns that both eyes see.
+GroundView real_view(const std::string& folder, const char* name, int hidden_columns) {
+  GroundView view{name, open_sequence(folder).read(0).frame, {}};
+  view.ground = cv::Mat1b(view.frame.left.size(), uchar{255});
+  const cv::Mat1b hole = cv::imread(folder + "/negative/000000.png", cv::IMREAD_GRAYSCALE);
+  if (!hole.empty()) {
+    cv::Mat1b near_hole;
+    cv::dilate(hole, near_hole, cv::Mat1b::ones(41, 41));
+    view.ground.setTo(0, near_hole);
+  }
+  view.ground.colRange(0, hidden_columns).setTo(0);
+  return view;
+}
+
+/// The same camera over a flat sheet of asphalt in the sun.
+GroundView simulated_view(const GroundView& real, int seed) {
+  const GroundEstimate ground = estimate_ground(compute_disparity(real.frame.left, real.frame.right), real.frame.camera);
+  Scene scene;
+  scene.materials = {materials::asphalt()};
+  Mesh sheet;
+  sheet.vertices = {{-20.0F, -20.0F, 0.0F}, {20.0F, -20.0F, 0.0F}, {20.0F, 20.0F, 0.0F}, {-20.0F, 20.0F, 0.0F}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+  scene.meshes = {sheet};
+  scene.light.sun = {3.0F, 2.9F, 2.7F};
+  scene.light.to_sun = Eigen::Vector3f(0.3F, 0.4F, 0.8F).normalized();
+  const double pitch = ground.pose.pitch_deg * std::numbers::pi / 180.0;
+  Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
+  world_from_camera.linear().col(0) = Eigen::Vector3d(0.0, -1.0, 0.0);
+  world_from_camera.linear().col(1) = Eigen::Vector3d(-std::sin(pitch), 0.0, -std::cos(pitch));
+  world_from_camera.linear().col(2) = Eigen::Vector3d(std::cos(pitch), 0.0, -std::sin(pitch));
+  world_from_camera.translation() = Eigen::Vector3d(0.37 * seed, 0.21 * seed, ground.pose.height_m);
+
+  Renderer renderer(scene);
+  std::array<cv::Mat3b, 2> eyes;
+  double gain = 0.0;
+  for (int eye = 0; eye < 2; ++eye) {
+    const auto picture_seed = static_cast<unsigned>(2 * seed + eye);
+    const cv::Mat3f radiance = renderer.render(real.frame.camera, real.frame.left.size(),
+                                               [&](double) { return world_from_camera; }, 0.0, eye, {}, picture_seed);
+    if (eye == 0) gain = compute_auto_gain(radiance);
+    eyes[static_cast<std::size_t>(eye)] = expose(radiance, gain, eye, {}, picture_seed);
+  }
+  return {"simulated", make_frame(eyes[0], eyes[1], real.frame.camera), real.ground};
+}
+
+struct Figures {
+  MatchFigures elas;
+  MatchFigures sgbm;
+  PictureFigures picture;
+};
+
+Figures measure_and_print(const GroundView& view) {
+  const Figures figures{measure_matching(view, Matcher::elas), measure_matching(view, Matcher::sgbm), measure_picture(view)};
+  const PictureFigures& p = figures.picture;
+  fmt::print("{:16} {:6.2f} {:6.2f} {:6.3f}   {:6.2f} {:6.2f} {:6.3f}   {:7.3f} {:7.2f} {:6.2f} {:6.2f} {:6.2f}\n", view.name,
+             figures.elas.density_percent, figures.elas.agreement_percent, figures.elas.plane_residual_px,
+             figures.sgbm.density_percent, figures.sgbm.agreement_percent, figures.sgbm.plane_residual_px, p.local_contrast,
+             p.gradient_p50, p.gradient_p90, p.gradient_p99, p.noise);
+  return figures;
+}
+
+void expect_as_hard(double simulated, double real, const char* what) {
+  EXPECT_NEAR(simulated, real, 0.2 * real) << what << ": simulated against real";
+}
+
+TEST(Realism, SimulatedAsphaltIsAsHardToMatchAsARealRoad) {
+  BRINK_REQUIRE_DATA(folder, "pothole_a");
+  fmt::print(
+      "                 elas: density, agreement %, residual px; sgbm: the same; local contrast, gradients %: p50 p90 p99, "
+      "noise\n");
+  const GroundView real = real_view(folder, "pothole_a", 170);
+  const Figures road = measure_and_print(real);
+  const Figures sheet = measure_and_print(simulated_view(real, 1));
+  expect_as_hard(sheet.elas.density_percent, road.elas.density_percent, "elas density");
+  expect_as_hard(sheet.elas.agreement_percent, road.elas.agreement_percent, "elas agreement");
+  expect_as_hard(sheet.elas.plane_residual_px, road.elas.plane_residual_px, "elas plane residual");
+  expect_as_hard(sheet.sgbm.density_percent, road.sgbm.density_percent, "sgbm density");
+  expect_as_hard(sheet.sgbm.agreement_percent, road.sgbm.agreement_percent, "sgbm agreement");
+  expect_as_hard(sheet.sgbm.plane_residual_px, road.sgbm.plane_residual_px, "sgbm plane residual");
 }
 
 }  // namespace
