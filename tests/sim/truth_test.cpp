@@ -175,7 +175,7 @@ TEST_P(TruthOf, PosesAndDisparitiesOfConsecutiveFramesAgree) {
     std::printf("%-9s frames %d, %d: disparities differ by %.4f px (median of %d), %.2f %% by less than 0.2 px\n", GetParam(),
                 frame, frame + 1, median(errors), compared, 100.0 * close / compared);
     EXPECT_GT(compared, 5000);
-    EXPECT_LT(hidden, 0.05 * compared);
+    EXPECT_LT(hidden, 0.2 * compared);  // people walk by at arm's length
     EXPECT_LT(median(errors), 0.02);
     EXPECT_GT(close, 0.97 * compared);
   }
