@@ -119,15 +119,17 @@ void add_flat(Site& site, const Eigen::AlignedBox2d& area) {
   if (kind == 7) add_flat_thing(site, rectangle(0.75 * radius, 0.6 * radius), pick_repair(random));
 }
 
-/// Whether a straight crossing stays clear of everything within sight.
+/// Whether somebody who walks straight on meets nothing for some seconds before and after, and the walker at no time.
 bool is_way_clear(const Site& site, const Eigen::Vector2d& meeting, const Eigen::Vector2d& velocity, double time_s) {
-  constexpr double kStep = 0.2;
-  for (double t = -5.0; t <= 5.0; t += kStep) {
+  constexpr double kStep = 0.1;
+  constexpr double kInSight = 5.0;  // s
+  for (double t = -time_s; t <= site.duration_s - time_s; t += kStep) {
     const Eigen::Vector2d p = meeting + t * velocity;
+    if ((site.position_on_path(time_s + t) - p).norm() < 1.2) return false;
+    if (std::abs(t) > kInSight) continue;
     const auto solid_near = [&](const Site::Spot& spot) { return spot.solid && (spot.center - p).norm() < spot.radius + 0.35; };
     const auto opening_near = [&](const Polygon& opening) { return distance_to_polygon(opening, p) < 0.5; };
     if (std::ranges::any_of(site.spots, solid_near) || std::ranges::any_of(site.openings, opening_near)) return false;
-    if (time_s + t >= 0.0 && (site.position_on_path(time_s + t) - p).norm() < 1.2) return false;
   }
   return true;
 }
