@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "brink/detector.hpp"
 #include "brink/frame.hpp"
+#include "brink/imu.hpp"
 
 namespace brink {
 
@@ -27,7 +29,7 @@ struct FrameFiles {
 class Sequence {
  public:
   /// @throws std::invalid_argument when the camera is not valid.
-  Sequence(const StereoCamera& camera, std::vector<FrameFiles> files);
+  Sequence(const StereoCamera& camera, std::vector<FrameFiles> files, std::vector<ImuSample> imu = {});
 
   [[nodiscard]] int size() const { return static_cast<int>(files_.size()); }
   [[nodiscard]] const StereoCamera& camera() const { return camera_; }
@@ -41,13 +43,25 @@ class Sequence {
  private:
   StereoCamera camera_;
   std::vector<FrameFiles> files_;
+  std::vector<ImuSample> imu_;
 };
 
+/// Reads imu.csv: t,gx,gy,gz,ax,ay,az a line, in the left camera frame; a first line that begins with t is a heading.
+/// @throws std::runtime_error "file: line n ..." when a line is not that or times do not increase.
+std::vector<ImuSample> read_imu(const std::string& path);
+
+/// Direction of gravity in the left camera frame: against the mean specific force of the second before a time, each
+/// reading turned into the last one's frame by the gyroscope.
+/// @param samples ascending in time. @return unit vector; empty with too few readings, or when their mean is not near 9.81
+/// m/s^2.
+std::optional<Eigen::Vector3d> estimate_gravity(const std::vector<ImuSample>& samples, double time);
+
 /// Opens a folder in the KITTI odometry layout (docs/formats.md): calib.txt, image_2 and image_3 or else image_0 and image_1
-/// with pictures named by number, and times.txt. Frames run from the smallest number to the greatest, over both eyes; a number
-/// without a picture is a frame of its own with status no_picture. Without times.txt the time of a frame is its number.
-/// @throws std::runtime_error "file: ..." when there are no pictures, names are no numbers, or calib.txt or times.txt is at
-/// fault.
+/// with pictures named by number, times.txt, and imu.csv, which gives each frame its gravity. Frames run from the smallest
+/// number to the greatest, over both eyes; a number without a picture is a frame of its own with status no_picture. Without
+/// times.txt the time of a frame is its number.
+/// @throws std::runtime_error "file: ..." when there are no pictures, names are no numbers, or calib.txt, times.txt or
+/// imu.csv is at fault.
 Sequence open_sequence(const std::string& folder);
 
 /// One pair as a sequence of one frame; the pictures are not opened yet.

@@ -120,7 +120,8 @@ std::string picture_or_expected(const std::map<int, std::string>& pictures, cons
 
 }  // namespace
 
-Sequence::Sequence(const StereoCamera& camera, std::vector<FrameFiles> files) : camera_(camera), files_(std::move(files)) {
+Sequence::Sequence(const StereoCamera& camera, std::vector<FrameFiles> files, std::vector<ImuSample> imu)
+    : camera_(camera), files_(std::move(files)), imu_(std::move(imu)) {
   camera_.validate();
 }
 
@@ -133,6 +134,7 @@ FrameReading Sequence::read(int position) const {
     const cv::Mat left = read_picture(files.left);
     const cv::Mat right = read_picture(files.right);
     reading.frame = make_frame(left, right, camera_, files.index, files.time);
+    reading.frame.gravity = estimate_gravity(imu_, files.time);
   } catch (const std::invalid_argument& error) {
     reading.status = FrameStatus::bad_frame;
     reading.reason = fmt::format("{} and {}: {}", files.left, files.right, error.what());
@@ -162,7 +164,8 @@ Sequence open_sequence(const std::string& folder) {
     files.push_back(
         {number, time, picture_or_expected(left, eyes.left, number), picture_or_expected(right, eyes.right, number)});
   }
-  return {calibration.camera, std::move(files)};
+  const fs::path imu = fs::path(folder) / "imu.csv";
+  return {calibration.camera, std::move(files), fs::exists(imu, error) ? read_imu(imu.string()) : std::vector<ImuSample>{}};
 }
 
 Sequence open_pair(const std::string& left, const std::string& right, const std::string& calibration) {
