@@ -12,6 +12,7 @@ Material oil();
 Material concrete();
 Material paving();  ///< concrete slabs with joints
 Material cobbles();
+Material soot();  ///< walls of deep wet shafts
 Material gravel();
 Material soil();
 Material grass();

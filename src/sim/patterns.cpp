@@ -21,7 +21,8 @@ struct Grain {
   float floor;   ///< of all coarser variation: patches, dirt, wear
 };
 
-constexpr float kFinestCell = 0.002F;  // m; the nearest ground has 1-2 mm per ray, so nothing finer is ever seen
+constexpr float kPatches = 1.024F;     // m; the coarsest variation: dirt, wear, repairs
+constexpr float kFinestCell = 0.001F;  // m; finer than a ray is wide, even a step in front of the feet
 constexpr float kLargestReflectance = 0.95F;
 
 float smooth(float x) {
@@ -76,11 +77,19 @@ Eigen::Vector3f tilt(const Eigen::Vector3f& p) {
           -0.60F * p.x() - 0.48F * p.y() + 0.64F * p.z()};
 }
 
-/// Relative variation of a surface: octaves from the coarsest cell down to what the footprint resolves.
-float sum_octaves(const SurfacePoint& point, float coarsest, const Grain& grain, std::uint32_t seed) {
-  Eigen::Vector3f p = tilt(point.position) / coarsest;
+}  // namespace
+
+float compute_noise(const Eigen::Vector3f& position, float cell, std::uint32_t seed) {
+  return lattice_noise(tilt(position) / cell, seed);
+}
+
+namespace {
+
+/// Relative variation of a surface: octaves from patches down to what the footprint resolves.
+float sum_octaves(const SurfacePoint& point, const Grain& grain, std::uint32_t seed) {
+  Eigen::Vector3f p = tilt(point.position) / kPatches;
   float sum = 0.0F;
-  for (float cell = coarsest; cell >= kFinestCell; cell *= 0.5F) {
+  for (float cell = kPatches; cell >= kFinestCell; cell *= 0.5F) {
     const float seen = visibility(cell, point.footprint);
     if (seen <= 0.0F) break;
     const float strength = grain.floor + grain.peak * std::min(cell / grain.peak_m, grain.peak_m / cell);
@@ -133,7 +142,7 @@ Stone find_stone(const Eigen::Vector2f& p, std::uint32_t seed) {
 /// Stones of random brightness with dark gaps between them.
 Shade shade_gravel(const SurfacePoint& point, float cell, std::uint32_t seed) {
   constexpr Grain kStone{0.003F, 0.10F, 0.04F};
-  const float surface = 1.0F + sum_octaves(point, 32.0F * cell, kStone, seed);
+  const float surface = 1.0F + sum_octaves(point, kStone, seed);
   const float seen = visibility(cell, point.footprint);
   if (seen <= 0.0F) return {0.5F, surface};
   const Stone stone = find_stone(flatten(point) / cell, seed);
@@ -145,7 +154,7 @@ Shade shade_gravel(const SurfacePoint& point, float cell, std::uint32_t seed) {
 /// Fallen leaves: on half of the cells an ellipse of second_color, turned and shaded at random.
 Shade shade_leaves(const SurfacePoint& point, float cell, std::uint32_t seed) {
   constexpr Grain kLitter{0.01F, 0.16F, 0.08F};
-  Shade shade{0.3F, 1.0F + sum_octaves(point, 8.0F * cell, kLitter, seed)};
+  Shade shade{0.3F, 1.0F + sum_octaves(point, kLitter, seed)};
   const float seen = visibility(cell, point.footprint);
   if (seen <= 0.0F) return shade;
   const Eigen::Vector2f p = flatten(point) / cell;
@@ -184,7 +193,7 @@ Shade shade_tiles(const SurfacePoint& point, float cell, std::uint32_t seed) {
   constexpr Grain kSlab{0.003F, 0.07F, 0.03F};
   const float width = std::clamp(0.02F * cell, 0.003F, 0.01F);
   const float mean_cover = 2.0F * width / cell;
-  Shade shade{mean_cover, 1.0F + sum_octaves(point, 4.0F * cell, kSlab, seed)};
+  Shade shade{mean_cover, 1.0F + sum_octaves(point, kSlab, seed)};
   const float seen = visibility(cell, point.footprint);
   if (seen <= 0.0F) return shade;
   const Eigen::Vector2f p = flatten(point) / cell;
@@ -196,12 +205,14 @@ Shade shade_tiles(const SurfacePoint& point, float cell, std::uint32_t seed) {
   return shade;
 }
 
-/// Domes in a square grid, each with a lit and a shaded flank, on second_color.
-Shade shade_tactile(const SurfacePoint& point, float cell, std::uint32_t seed) {
+/// Slabs with domes of second_color in a square grid, each with a lit and a shaded flank.
+Shade shade_tactile(const SurfacePoint& point, float slab, std::uint32_t seed) {
+  constexpr float kDomes = 6.0F;      // along a slab: 50 mm apart on the usual 300 mm
   constexpr Grain kSlab{0.003F, 0.06F, 0.03F};
   constexpr float kRadius = 0.33F;    // cells
   constexpr float kMeanCover = 0.3F;  // about pi kRadius^2, with the soft edge
-  Shade shade{kMeanCover, 1.0F + sum_octaves(point, 8.0F * cell, kSlab, seed)};
+  Shade shade{kMeanCover, 1.0F + sum_octaves(point, kSlab, seed)};
+  const float cell = slab / kDomes;
   const float seen = visibility(cell, point.footprint);
   if (seen <= 0.0F) return shade;
   const Eigen::Vector2f p = flatten(point) / cell;
@@ -212,22 +223,19 @@ Shade shade_tactile(const SurfacePoint& point, float cell, std::uint32_t seed) {
   return shade;
 }
 
-/// Grain everywhere and stains of second_color on a third of the surface.
-Shade shade_stained(const SurfacePoint& point, float cell, const Grain& grain, std::uint32_t seed) {
+/// Grain everywhere, and second_color on a third of the surface: spots of the given size, stones or stains.
+Shade shade_spotted(const SurfacePoint& point, float spot, const Grain& grain, std::uint32_t seed) {
   constexpr float kMeanCover = 0.33F;
-  const float seen = visibility(cell, point.footprint);
+  const float seen = visibility(spot, point.footprint);
   float mix = kMeanCover;
-  if (seen > 0.0F) {
-    const float n = lattice_noise(tilt(point.position) / cell, seed ^ 0x5bd1e995U);
-    mix += seen * (smooth(0.5F * n + 0.28F) - kMeanCover);
-  }
-  return {mix, 1.0F + sum_octaves(point, cell, grain, seed)};
+  if (seen > 0.0F) mix += seen * (smooth(0.5F * compute_noise(point.position, spot, seed ^ 0x5bd1e995U) + 0.28F) - kMeanCover);
+  return {mix, 1.0F + sum_octaves(point, grain, seed)};
 }
 
-/// Grain that is long along one axis: brushed metal along the longest horizontal, blades of grass upwards.
-Shade shade_streaked(SurfacePoint point, float cell, float stretch, const Grain& grain, std::uint32_t seed) {
+/// Grain that is long along x: brushed metal, blades of grass. It drives the mixture too.
+Shade shade_streaked(SurfacePoint point, float stretch, const Grain& grain, std::uint32_t seed) {
   point.position.x() /= stretch;
-  const float brightness = 1.0F + sum_octaves(point, cell, grain, seed);
+  const float brightness = 1.0F + sum_octaves(point, grain, seed);
   return {std::clamp(0.5F + 0.8F * (brightness - 1.0F), 0.0F, 1.0F), brightness};
 }
 
@@ -237,19 +245,19 @@ Shade compute_shade(const Material& material, const SurfacePoint& point, std::ui
     case Pattern::plain:
       return {0.0F, 1.0F};
     case Pattern::asphalt:
-      return shade_stained(point, cell, {0.004F, 0.20F, 0.04F}, seed);
+      return shade_spotted(point, 0.2F * cell, {0.25F * cell, 0.10F, 0.03F}, seed);
     case Pattern::concrete:
-      return shade_stained(point, cell, {0.003F, 0.08F, 0.04F}, seed);
+      return shade_spotted(point, cell, {0.003F, 0.08F, 0.04F}, seed);
     case Pattern::plaster:
-      return shade_stained(point, cell, {0.002F, 0.05F, 0.025F}, seed);
+      return shade_spotted(point, cell, {0.002F, 0.05F, 0.025F}, seed);
     case Pattern::rubber:
-      return shade_stained(point, cell, {0.003F, 0.06F, 0.01F}, seed);
+      return shade_spotted(point, cell, {0.003F, 0.06F, 0.01F}, seed);
     case Pattern::cloth:
-      return shade_stained(point, cell, {0.003F, 0.08F, 0.08F}, seed);
+      return shade_spotted(point, cell, {0.003F, 0.08F, 0.08F}, seed);
     case Pattern::metal:
-      return shade_streaked(point, cell, 12.0F, {0.004F, 0.06F, 0.03F}, seed);
+      return shade_streaked(point, 12.0F, {0.1F * cell, 0.06F, 0.03F}, seed);
     case Pattern::grass:
-      return shade_streaked(point, cell, 1.6F, {0.008F, 0.30F, 0.08F}, seed);
+      return shade_streaked(point, 1.6F, {0.4F * cell, 0.30F, 0.08F}, seed);
     case Pattern::tiles:
       return shade_tiles(point, cell, seed);
     case Pattern::gravel:
@@ -263,10 +271,6 @@ Shade compute_shade(const Material& material, const SurfacePoint& point, std::ui
 }
 
 }  // namespace
-
-float compute_noise(const Eigen::Vector3f& position, float cell, std::uint32_t seed) {
-  return lattice_noise(tilt(position) / cell, seed);
-}
 
 Eigen::Vector3f compute_reflectance(const Material& material, const SurfacePoint& point, std::uint32_t seed) {
   const Shade shade = compute_shade(material, point, mix_bits(seed + 1U));

@@ -204,9 +204,9 @@ Eigen::Vector3f Painter::shade(const Sample& sample) const {
 /// Mirrored light, more at grazing angles (Schlick 1994), on a slightly wavy surface; the sun as a lobe around its mirror image.
 Eigen::Vector3f Painter::add_gloss(const Sample& sample, const Material& material, float footprint,
                                    const Eigen::Vector3f& diffuse) const {
-  constexpr float kWave = 0.04F;       // size, m
-  constexpr float kSlope = 0.03F;      // standard deviation
-  constexpr float kLobe = 129.0F;      // (n + 1) of the lobe cos^n with n = 128, about 7 degrees wide
+  constexpr float kWave = 0.10F;    // size, m
+  constexpr float kSlope = 0.015F;  // standard deviation
+  constexpr float kLobe = 129.0F;   // (n + 1) of the lobe cos^n with n = 128, about 7 degrees wide
   const Place& place = sample.place;
   Eigen::Vector3f normal = place.normal;
   if (footprint < kWave) {

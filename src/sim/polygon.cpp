@@ -117,6 +117,16 @@ std::vector<Polygon> subtract(const Polygon& piece, const Polygon& convex) {
   return outside;
 }
 
+Polygon refine(const Polygon& polygon, double longest_side) {
+  Polygon refined;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d side = corner_after(polygon, i) - polygon[i];
+    const int parts = std::max(1, static_cast<int>(std::ceil(side.norm() / longest_side)));
+    for (int k = 0; k < parts; ++k) refined.emplace_back(polygon[i] + side * k / parts);
+  }
+  return refined;
+}
+
 Polygon make_rectangle(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
   return {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
 }

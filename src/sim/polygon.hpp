@@ -26,6 +26,9 @@ std::vector<Polygon> split_into_convex(const Polygon& polygon);
 /// What is left of a convex piece outside a convex polygon, as convex pieces.
 std::vector<Polygon> subtract(const Polygon& piece, const Polygon& convex);
 
+/// The same outline with corners added until no side is longer.
+Polygon refine(const Polygon& polygon, double longest_side);
+
 Polygon make_rectangle(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
 Polygon make_circle(const Eigen::Vector2d& center, double radius, int corners);
 

@@ -89,7 +89,7 @@ void SensorParams::validate() const {
 cv::Mat3b expose(const cv::Mat3f& radiance, double gain, int eye, const SensorParams& params, unsigned seed) {
   constexpr double kFullWell = 10000.0;  // electrons of a saturated pixel at base gain
   constexpr double kReadNoise = 3.0;     // electrons
-  constexpr double kLongest = 4.0;       // the gain at which the exposure time ends and amplification begins
+  constexpr double kLongest = 10.0;      // the gain at which the exposure time ends and amplification begins
   params.validate();
   if (!(gain > 0.0) || !std::isfinite(gain)) throw std::invalid_argument(fmt::format("gain = {}, must be above 0", gain));
   if (eye != 0 && eye != 1) throw std::invalid_argument(fmt::format("eye = {}, must be 0 (left) or 1 (right)", eye));

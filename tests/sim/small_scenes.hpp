@@ -75,14 +75,14 @@ inline void add_ground_with_hole(Scene& scene, float x0, float x1, float y0, flo
 inline Scene make_street(float depth) {
   Scene scene;
   scene.materials = {
-      {Pattern::asphalt, {0.13F, 0.13F, 0.135F}, {0.10F, 0.10F, 0.10F}, 1.0F, 1.0F, 0.0F},
+      {Pattern::asphalt, {0.10F, 0.10F, 0.105F}, {0.26F, 0.25F, 0.24F}, 0.012F, 1.0F, 0.0F},
       {Pattern::concrete, {0.35F, 0.34F, 0.31F}, {0.27F, 0.26F, 0.24F}, 0.5F, 1.0F, 0.0F},
       {Pattern::tiles, {0.38F, 0.36F, 0.33F}, {0.16F, 0.15F, 0.14F}, 0.3F, 1.0F, 0.0F},
       {Pattern::metal, {0.25F, 0.25F, 0.26F}, {0.3F, 0.3F, 0.3F}, 0.1F, 1.0F, 0.2F},
-      {Pattern::asphalt, {0.05F, 0.05F, 0.055F}, {0.04F, 0.04F, 0.04F}, 1.0F, 1.0F, 0.05F},
-      {Pattern::grass, {0.10F, 0.17F, 0.04F}, {0.20F, 0.22F, 0.08F}, 0.2F, 1.0F, 0.0F},
+      {Pattern::asphalt, {0.035F, 0.036F, 0.04F}, {0.08F, 0.08F, 0.08F}, 0.012F, 0.7F, 0.25F},
+      {Pattern::grass, {0.10F, 0.17F, 0.04F}, {0.035F, 0.07F, 0.02F}, 0.02F, 1.0F, 0.0F},
       {Pattern::gravel, {0.30F, 0.28F, 0.25F}, {0.22F, 0.20F, 0.18F}, 0.03F, 1.0F, 0.0F},
-      {Pattern::tactile, {0.60F, 0.58F, 0.50F}, {0.50F, 0.47F, 0.40F}, 0.06F, 1.0F, 0.0F},
+      {Pattern::tactile, {0.60F, 0.58F, 0.50F}, {0.50F, 0.47F, 0.40F}, 0.3F, 1.0F, 0.0F},
       {Pattern::leaves, {0.12F, 0.11F, 0.08F}, {0.30F, 0.17F, 0.05F}, 0.08F, 1.0F, 0.0F},
       {Pattern::cloth, {0.35F, 0.06F, 0.05F}, {0.25F, 0.05F, 0.05F}, 0.2F, 1.0F, 0.0F},
   };

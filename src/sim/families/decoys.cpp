@@ -55,66 +55,81 @@ void add_solid(Site& site, const Eigen::AlignedBox2d& area) {
   if (kind == 6) add_bin(site, *spot);
 }
 
-/// A cover flush with the ground: a frame and a lid, or a grate of bars over darkness painted as such.
-void add_cover(Site& site, const Eigen::Vector2d& center, bool round) {
+/// A flat thing on the ground, fine enough to follow ramps.
+void add_flat_thing(Site& site, const Polygon& outline, const Material& material) {
+  constexpr double kFineM = 0.12;
+  const double size = compute_bounds(outline).sizes().maxCoeff();
+  const int rings = std::max(1, static_cast<int>(std::ceil(0.5 * size / kFineM)));
+  site.add(make_patch(refine(outline, kFineM), site.next_flat_z(), rings), site.add_material(material));
+}
+
+void add_round_cover(Site& site, const Eigen::Vector2d& center) {
   const double radius = site.random.uniform(0.28, 0.4);
-  const double z = site.next_flat_z();
-  const int iron = site.add_material(materials::varied(materials::iron(), site.random));
-  if (round) {
-    site.add(make_patch(make_circle(center, radius, 32), z, 2), iron);
-    return;
-  }
-  const double yaw = site.random.uniform(0.0, kPi);
-  const int black = site.add_material(materials::dark_window());
-  const Polygon frame = moved(make_rectangle({-0.7 * radius, -0.7 * radius}, {0.7 * radius, 0.7 * radius}), yaw, center);
-  site.add(make_patch(frame, z), black);
+  add_flat_thing(site, make_circle(center, radius, 32), materials::varied(materials::iron(), site.random));
+}
+
+/// Bars flush with the ground over darkness that is only painted.
+void add_grate(Site& site, const Eigen::Vector2d& center) {
   constexpr int kBars = 9;
+  const double half = site.random.uniform(0.2, 0.28);
+  const double yaw = site.random.uniform(0.0, kPi);
+  add_flat_thing(site, moved(make_rectangle({-half, -half}, {half, half}), yaw, center), materials::rubber());
+  const double z = site.next_flat_z() + 0.0005;
   Mesh bars;
   for (int i = 0; i < kBars; ++i) {
-    const double y = 0.7 * radius * (2.0 * i / (kBars - 1) - 1.0);
-    append(bars, make_box({-0.7 * radius, y - 0.012, z}, {0.7 * radius, y + 0.012, z + 0.002}));
+    const double y = half * (2.0 * i / (kBars - 1) - 1.0);
+    append(bars, make_patch(refine(make_rectangle({-half, y - 0.012}, {half, y + 0.012}), 0.1), z));
   }
-  site.add(moved(std::move(bars), yaw, lift(center, 0.0)), iron);
+  site.add(moved(std::move(bars), yaw, lift(center, 0.0)),
+           site.add_material(materials::varied(materials::iron(), site.random)));
+}
+
+void add_fallen_leaves(Site& site, const Eigen::Vector2d& center, double radius) {
+  const Eigen::Vector3f autumn(0.28F, 0.13F, 0.035F);
+  const Eigen::Vector3f green(0.10F, 0.16F, 0.04F);
+  const Material dry = materials::colored(materials::leaves(), site.random.chance(0.6) ? autumn : green);
+  site.add(make_leaves(site.random, lift(center, site.next_flat_z() + 0.001), {radius, radius, 0.0}, 130, 0.09),
+           site.add_material(dry));
+}
+
+/// Where somebody dug and closed the ground again with something else.
+Material pick_repair(Random& random) {
+  return materials::varied(random.chance(0.6) ? materials::asphalt() : materials::concrete(), random);
 }
 
 void add_flat(Site& site, const Eigen::AlignedBox2d& area) {
   Random& random = site.random;
-  const int kind = random.integer(0, 6);
-  const double radius = kind == 1 || kind == 2 ? 0.42 : random.uniform(0.4, 0.75);
+  const int kind = random.integer(0, 7);
+  constexpr std::array<double, 8> kLeast{0.4, 0.42, 0.4, 0.35, 0.35, 0.4, 0.5, 0.6};
+  const double least = kLeast.at(static_cast<std::size_t>(kind));
+  const double radius = kind == 1 || kind == 2 ? least : random.uniform(least, 1.8 * least);
   const auto spot = site.take_spot(area, radius, false);
   if (!spot) return;
-  if (kind == 0) {
-    const Polygon mat = make_rectangle({-0.8 * radius, -0.55 * radius}, {0.8 * radius, 0.55 * radius});
-    site.add(make_patch(moved(mat, random.uniform(0.0, kPi), *spot), site.next_flat_z(), 3),
-             site.add_material(materials::rubber()));
-  } else if (kind <= 2) {
-    add_cover(site, *spot, kind == 1);
-  } else if (kind <= 4) {
-    const Material patch = kind == 3 ? materials::wet_asphalt() : materials::oil();
-    const Polygon blob = make_blob(random, *spot, 0.7 * radius, 0.4, 28);
-    site.add(make_patch(blob, site.next_flat_z(), 4), site.add_material(patch));
-  } else if (kind == 5) {
-    const Eigen::Vector3f autumn(0.28F, 0.13F, 0.035F);
-    const Material dry =
-        materials::colored(materials::leaves(), random.chance(0.6) ? autumn : Eigen::Vector3f(0.1F, 0.16F, 0.04F));
-    site.add(make_leaves(random, lift(*spot, site.next_flat_z() + 0.001), {radius, radius, 0.0}, 130, 0.09),
-             site.add_material(dry));
-  } else {
-    const Polygon stripe = make_rectangle({-radius, -0.08}, {radius, 0.08});
-    site.add(make_patch(moved(stripe, random.uniform(0.0, kPi), *spot), site.next_flat_z(), 3),
-             site.add_material(materials::varied(materials::white_paint(), random)));
-  }
+  const double yaw = random.uniform(0.0, kPi);
+  const auto rectangle = [&](double half_x, double half_y) {
+    return moved(make_rectangle({-half_x, -half_y}, {half_x, half_y}), yaw, *spot);
+  };
+  if (kind == 0) add_flat_thing(site, rectangle(0.8 * radius, 0.55 * radius), materials::rubber());
+  if (kind == 1) add_round_cover(site, *spot);
+  if (kind == 2) add_grate(site, *spot);
+  if (kind == 3) add_flat_thing(site, make_blob(random, *spot, 0.7 * radius, 0.4, 28), materials::wet_asphalt());
+  if (kind == 4) add_flat_thing(site, make_blob(random, *spot, 0.7 * radius, 0.4, 28), materials::oil());
+  if (kind == 5) add_fallen_leaves(site, *spot, radius);
+  if (kind == 6) add_flat_thing(site, rectangle(radius, 0.08), materials::varied(materials::white_paint(), random));
+  if (kind == 7) add_flat_thing(site, rectangle(0.75 * radius, 0.6 * radius), pick_repair(random));
 }
 
-/// Whether a straight crossing stays clear of everything within sight.
+/// Whether somebody who walks straight on meets nothing for some seconds before and after, and the walker at no time.
 bool is_way_clear(const Site& site, const Eigen::Vector2d& meeting, const Eigen::Vector2d& velocity, double time_s) {
-  constexpr double kStep = 0.2;
-  for (double t = -5.0; t <= 5.0; t += kStep) {
+  constexpr double kStep = 0.1;
+  constexpr double kInSight = 5.0;  // s
+  for (double t = -time_s; t <= site.duration_s - time_s; t += kStep) {
     const Eigen::Vector2d p = meeting + t * velocity;
+    if ((site.position_on_path(time_s + t) - p).norm() < 1.2) return false;
+    if (std::abs(t) > kInSight) continue;
     const auto solid_near = [&](const Site::Spot& spot) { return spot.solid && (spot.center - p).norm() < spot.radius + 0.35; };
     const auto opening_near = [&](const Polygon& opening) { return distance_to_polygon(opening, p) < 0.5; };
     if (std::ranges::any_of(site.spots, solid_near) || std::ranges::any_of(site.openings, opening_near)) return false;
-    if (time_s + t >= 0.0 && (site.position_on_path(time_s + t) - p).norm() < 1.2) return false;
   }
   return true;
 }

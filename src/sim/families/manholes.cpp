@@ -11,8 +11,9 @@ namespace {
 void add_manhole(Site& site, const Eigen::Vector2d& center, double radius, double depth) {
   const Polygon rim = make_circle(center, radius, 32);
   const int id = site.add_instance("manhole", depth, rim);
-  const int wall = site.add_material(materials::varied(materials::concrete(), site.random));
-  const int floor = site.add_material(materials::varied(materials::soil(), site.random));
+  const bool black = depth > 2.0;  // wet, sooty walls swallow what light gets in
+  const int wall = site.add_material(materials::varied(black ? materials::soot() : materials::concrete(), site.random));
+  const int floor = site.add_material(materials::varied(black ? materials::soot() : materials::soil(), site.random));
   const int frame = site.add_material(materials::varied(materials::iron(), site.random));
   add_shaft(site, rim, true, depth, wall, id);
   site.add(make_patch(rim, -depth), floor, id);

@@ -102,7 +102,7 @@ void build_platform(Site& site) {
   add_bed(site, bed, tracks);
   const double lane = random.uniform(-2.0, -1.3);
   const double end = random.uniform(0.3, 1.2);
-  site.set_path({{-run, lane - 0.5}, {-0.5 * run - 1.0, lane}, {-1.2, lane - 0.4}, {end, -0.92}},
+  site.set_path({{-run, lane - 0.5}, {-0.5 * run - 1.0, lane}, {end - 1.6, lane}, {end - 0.4, lane - 0.9}, {end, -0.92}},
                 {{end + 1.3, -1.7}, {end + 0.3, -3.3}, {-run, -3.3}});
 
   add_stripe(site, bed, -1.0, -0.6, materials::tactile());
