@@ -30,8 +30,9 @@ float smooth(float x) {
   return x * x * (3.0F - 2.0F * x);
 }
 
-/// 1 for features that the footprint resolves, falling to 0 where it is as large as they are.
-float visibility(float cell, float footprint) { return std::clamp(cell / footprint - 1.0F, 0.0F, 1.0F); }
+/// 1 for features that the footprint resolves, falling to 0 for those half as large as it. Samples of a pixel average what is
+/// smaller than the pixel but larger than that, as a real pixel does.
+float visibility(float cell, float footprint) { return std::clamp(cell / footprint - 0.5F, 0.0F, 1.0F); }
 
 /// Quintic weight, twice differentiable: no creases at the cells' borders.
 float ease(float x) { return x * x * x * (x * (x * 6.0F - 15.0F) + 10.0F); }
@@ -207,7 +208,7 @@ Shade shade_tiles(const SurfacePoint& point, float cell, std::uint32_t seed) {
 
 /// Slabs with domes of second_color in a square grid, each with a lit and a shaded flank.
 Shade shade_tactile(const SurfacePoint& point, float slab, std::uint32_t seed) {
-  constexpr float kDomes = 6.0F;      // along a slab: 50 mm apart on the usual 300 mm
+  constexpr float kDomes = 6.0F;  // along a slab: 50 mm apart on the usual 300 mm
   constexpr Grain kSlab{0.003F, 0.06F, 0.03F};
   constexpr float kRadius = 0.33F;    // cells
   constexpr float kMeanCover = 0.3F;  // about pi kRadius^2, with the soft edge
