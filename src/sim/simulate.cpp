@@ -28,7 +28,10 @@ StereoCamera make_camera(const SimulationParams& params) {
 std::vector<bool> choose_dropped(const SimulationParams& params) {
   Random random(static_cast<unsigned>(params.seed));
   std::vector<bool> dropped;
-  for (int frame = 0; frame < params.frames; ++frame) dropped.push_back(random.chance(params.dropped) && frame > 0);
+  for (int frame = 0; frame < params.frames; ++frame) {
+    const bool inside = frame > 0 && frame + 1 < params.frames;  // a sequence begins and ends with pictures
+    dropped.push_back(random.chance(params.dropped) && inside);
+  }
   return dropped;
 }
 
