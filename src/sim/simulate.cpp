@@ -50,8 +50,8 @@ World make_checked_world(const SimulationParams& params) {
 void SimulationParams::validate() const {
   constexpr double kLongest = 3600.0;
   require_within("frames", frames, 1, 100000);
-  require_within("width", width, kMinImageWidth, 8192);
-  require_within("height", height, kMinImageHeight, 8192);
+  require_within("width", width, kMinImageWidth, 4096);
+  require_within("height", height, kMinImageHeight, 4096);
   require_within("focal_px", focal_px, 10.0, 1e5);
   require_within("baseline_m", baseline_m, 0.001, 10.0);
   require_within("fps", fps, 0.1, 1000.0);
