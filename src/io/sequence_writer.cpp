@@ -39,7 +39,7 @@ std::string first_difference(std::string_view found, std::string_view wanted) {
   while (true) {
     const std::string_view old = line(found);
     const std::string_view now = line(wanted);
-    if (old != now || (found.empty() && wanted.empty())) return fmt::format("\"{}\", not \"{}\"", old, now);
+    if (old != now || (found.empty() && wanted.empty())) return fmt::format(R"("{}", not "{}")", old, now);
   }
 }
 

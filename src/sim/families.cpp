@@ -116,8 +116,7 @@ World make_world(const std::string& family, int seed, double duration_s, const s
   Random random(static_cast<std::uint32_t>(seed) * 2654435761U + index * 40503U + 1U);
   const Weather chosen = pick_weather(random, weather);
   const double speed = random.uniform(recipe.slowest_mps, recipe.fastest_mps);
-  // A little longer than asked for, so that rounded corners, which are shorter, cannot make it end early.
-  Site site{.random = random, .speed_mps = speed, .duration_s = 1.04 * duration_s + 0.3, .weather = chosen};
+  Site site{.random = random, .speed_mps = speed, .duration_s = duration_s, .weather = chosen};
   recipe.build(site);
   settle(site);
   site.scene.light = make_light(site.random, chosen);

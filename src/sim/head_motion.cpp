@@ -60,7 +60,10 @@ std::vector<Eigen::Vector2d> resample(const std::vector<Eigen::Vector2d>& line, 
   for (std::size_t i = 1; i < line.size(); ++i) {
     const Eigen::Vector2d side = line[i] - line[i - 1];
     const double length = side.norm();
-    for (; missing <= length; missing += step) points.emplace_back(line[i - 1] + missing / length * side);
+    while (missing <= length) {
+      points.emplace_back(line[i - 1] + missing / length * side);
+      missing += step;
+    }
     missing -= length;
   }
   return points;
@@ -78,9 +81,9 @@ std::vector<Value> smooth(const std::vector<Value>& values, double sigma) {
   smoothed.reserve(values.size());
   for (int i = 0; i <= last; ++i) {
     Value sum = 0.0 * values.front();
-    for (int k = -reach; k <= reach; ++k) {
-      const auto at = static_cast<std::size_t>(std::clamp(i + k, 0, last));
-      sum += kernel[static_cast<std::size_t>(k + reach)] / total * values[at];
+    for (int k = 0; k <= 2 * reach; ++k) {
+      const int at = std::clamp(i + k - reach, 0, last);
+      sum += kernel[static_cast<std::size_t>(k)] / total * values[static_cast<std::size_t>(at)];
     }
     smoothed.push_back(sum);
   }

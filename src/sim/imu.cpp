@@ -33,7 +33,7 @@ class Disturbance {
         bias_(bias * normal_vector(random)) {}
 
   Eigen::Vector3d next(Random& random) {
-    const Eigen::Vector3d now = bias_ + noise_ * normal_vector(random);
+    Eigen::Vector3d now = bias_ + noise_ * normal_vector(random);
     bias_ = kept_ * bias_ + fresh_ * normal_vector(random);
     return now;
   }

@@ -10,8 +10,8 @@
 
 namespace brink::sim {
 
-/// Light that arrives at places of a scene: sun, sky, and what one bounce sends on. Linear RGB. A diffuse surface of reflectance r
-/// under irradiance E has radiance r E / pi.
+/// Light that arrives at places of a scene: sun, sky, and what one bounce sends on. Linear RGB. A diffuse surface of
+/// reflectance r under irradiance E has radiance r E / pi.
 class Lighting {
  public:
   /// @param scene and tracer have to outlive the lighting.
@@ -35,7 +35,7 @@ class Lighting {
   const Scene& scene_;
   const Tracer& tracer_;
   bool has_sun_;
-  Eigen::Vector3f sun_right_, sun_up_;            ///< span the sun's disc at distance 1
+  Eigen::Vector3f sun_right_, sun_up_;             ///< span the sun's disc at distance 1
   std::vector<Eigen::Vector3f> mean_reflectance_;  ///< of the materials
   std::vector<Eigen::Vector3f> hemisphere_;        ///< cosine-distributed directions about z; any run of them is spread out
 };
@@ -65,7 +65,9 @@ class SkyLight {
   void gather_row(int row);
   [[nodiscard]] Eigen::Vector3f smoothed(int column, int row) const;
   [[nodiscard]] float likeness(const Place& place, const Node& node) const;
-  [[nodiscard]] const Node& node(int column, int row) const { return nodes_[static_cast<std::size_t>(row * columns_ + column)]; }
+  [[nodiscard]] const Node& node(int column, int row) const {
+    return nodes_[static_cast<std::size_t>(row * columns_ + column)];
+  }
 
   const Tracer& tracer_;
   const Lighting& lighting_;

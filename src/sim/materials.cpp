@@ -17,8 +17,8 @@ Material make(Pattern pattern, Eigen::Vector3f color, Eigen::Vector3f second, fl
 }  // namespace
 
 Material asphalt() { return make(Pattern::asphalt, {0.10F, 0.10F, 0.105F}, {0.26F, 0.25F, 0.24F}, 0.012F, 1.0F, 0.0F); }
-Material wet_asphalt() { return make(Pattern::asphalt, {0.035F, 0.036F, 0.04F}, {0.08F, 0.08F, 0.08F}, 0.012F, 0.7F, 0.25F); }
-Material oil() { return make(Pattern::asphalt, {0.012F, 0.011F, 0.012F}, {0.03F, 0.03F, 0.03F}, 0.012F, 0.4F, 0.12F); }
+Material wet_asphalt() { return make(Pattern::asphalt, {0.035F, 0.036F, 0.04F}, {0.08F, 0.08F, 0.08F}, 0.012F, 0.7F, 0.05F); }
+Material oil() { return make(Pattern::asphalt, {0.012F, 0.011F, 0.012F}, {0.03F, 0.03F, 0.03F}, 0.012F, 0.4F, 0.04F); }
 Material concrete() { return make(Pattern::concrete, {0.32F, 0.31F, 0.29F}, {0.20F, 0.19F, 0.18F}, 0.25F, 0.8F, 0.0F); }
 Material paving() { return make(Pattern::tiles, {0.34F, 0.33F, 0.31F}, {0.12F, 0.11F, 0.10F}, 0.40F, 1.0F, 0.0F); }
 Material cobbles() { return make(Pattern::tiles, {0.24F, 0.22F, 0.21F}, {0.07F, 0.06F, 0.05F}, 0.11F, 1.0F, 0.0F); }
@@ -28,16 +28,16 @@ Material soil() { return make(Pattern::gravel, {0.17F, 0.12F, 0.08F}, {0.08F, 0.
 Material grass() { return make(Pattern::grass, {0.09F, 0.17F, 0.045F}, {0.035F, 0.07F, 0.02F}, 0.02F, 1.0F, 0.0F); }
 Material leaves() { return make(Pattern::leaves, {0.07F, 0.15F, 0.035F}, {0.025F, 0.06F, 0.015F}, 0.08F, 1.0F, 0.0F); }
 Material bark() { return make(Pattern::plaster, {0.14F, 0.10F, 0.07F}, {0.06F, 0.045F, 0.03F}, 0.03F, 1.0F, 0.0F); }
-Material iron() { return make(Pattern::metal, {0.12F, 0.105F, 0.095F}, {0.05F, 0.042F, 0.038F}, 0.05F, 1.0F, 0.10F); }
-Material painted_steel() { return make(Pattern::metal, {0.30F, 0.30F, 0.30F}, {0.22F, 0.22F, 0.22F}, 0.10F, 0.4F, 0.10F); }
-Material dark_steel() { return make(Pattern::metal, {0.022F, 0.022F, 0.025F}, {0.012F, 0.012F, 0.013F}, 0.05F, 0.5F, 0.05F); }
+Material iron() { return make(Pattern::metal, {0.12F, 0.105F, 0.095F}, {0.05F, 0.042F, 0.038F}, 0.05F, 1.0F, 0.06F); }
+Material painted_steel() { return make(Pattern::metal, {0.30F, 0.30F, 0.30F}, {0.22F, 0.22F, 0.22F}, 0.10F, 0.4F, 0.05F); }
+Material dark_steel() { return make(Pattern::metal, {0.022F, 0.022F, 0.025F}, {0.012F, 0.012F, 0.013F}, 0.05F, 0.5F, 0.04F); }
 Material rubber() { return make(Pattern::rubber, {0.018F, 0.018F, 0.018F}, {0.008F, 0.008F, 0.008F}, 0.02F, 0.6F, 0.0F); }
 Material tactile() { return make(Pattern::tactile, {0.55F, 0.42F, 0.08F}, {0.38F, 0.28F, 0.05F}, 0.06F, 1.0F, 0.0F); }
 Material white_paint() { return make(Pattern::concrete, {0.70F, 0.70F, 0.68F}, {0.45F, 0.45F, 0.43F}, 0.10F, 0.6F, 0.0F); }
 Material white_wall() { return make(Pattern::plaster, {0.78F, 0.78F, 0.76F}, {0.72F, 0.72F, 0.70F}, 0.02F, 0.25F, 0.0F); }
 Material plaster() { return make(Pattern::plaster, {0.48F, 0.42F, 0.33F}, {0.36F, 0.31F, 0.24F}, 0.02F, 0.8F, 0.0F); }
 Material brick() { return make(Pattern::tiles, {0.26F, 0.11F, 0.075F}, {0.30F, 0.28F, 0.25F}, 0.12F, 1.0F, 0.0F); }
-Material dark_window() { return make(Pattern::plain, {0.012F, 0.014F, 0.016F}, {0.012F, 0.014F, 0.016F}, 1.0F, 0.0F, 0.35F); }
+Material dark_window() { return make(Pattern::plain, {0.012F, 0.014F, 0.016F}, {0.012F, 0.014F, 0.016F}, 1.0F, 0.0F, 0.06F); }
 Material wood() { return make(Pattern::plaster, {0.27F, 0.17F, 0.09F}, {0.17F, 0.10F, 0.05F}, 0.015F, 0.9F, 0.0F); }
 Material cloth() { return make(Pattern::cloth, {0.16F, 0.16F, 0.22F}, {0.10F, 0.10F, 0.14F}, 0.03F, 0.8F, 0.0F); }
 Material skin() { return make(Pattern::plain, {0.38F, 0.24F, 0.17F}, {0.38F, 0.24F, 0.17F}, 0.1F, 0.0F, 0.02F); }

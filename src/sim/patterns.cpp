@@ -1,6 +1,7 @@
 #include "patterns.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -21,8 +22,7 @@ struct Grain {
   float floor;   ///< of all coarser variation: patches, dirt, wear
 };
 
-constexpr float kPatches = 1.024F;     // m; the coarsest variation: dirt, wear, repairs
-constexpr float kFinestCell = 0.001F;  // m; finer than a ray is wide, even a step in front of the feet
+constexpr float kPatches = 1.024F;  // m; the coarsest variation: dirt, wear, repairs
 constexpr float kLargestReflectance = 0.95F;
 
 float smooth(float x) {
@@ -30,8 +30,9 @@ float smooth(float x) {
   return x * x * (3.0F - 2.0F * x);
 }
 
-/// 1 for features that the footprint resolves, falling to 0 where it is as large as they are.
-float visibility(float cell, float footprint) { return std::clamp(cell / footprint - 1.0F, 0.0F, 1.0F); }
+/// 1 for features that the footprint resolves, falling to 0 for those half as large as it. Samples of a pixel average what is
+/// smaller than the pixel but larger than that, as a real pixel does.
+float visibility(float cell, float footprint) { return std::clamp(cell / footprint - 0.5F, 0.0F, 1.0F); }
 
 /// Quintic weight, twice differentiable: no creases at the cells' borders.
 float ease(float x) { return x * x * x * (x * (x * 6.0F - 15.0F) + 10.0F); }
@@ -85,19 +86,47 @@ float compute_noise(const Eigen::Vector3f& position, float cell, std::uint32_t s
 
 namespace {
 
-/// Relative variation of a surface: octaves from patches down to what the footprint resolves.
+/// Relative variation of a surface: octaves from patches down to what the footprint resolves. Finer grains do not vanish: n of
+/// them average to 1 / sqrt(n) of their contrast, so each octave hands a quarter of the variance that is not seen to the next
+/// coarser.
 float sum_octaves(const SurfacePoint& point, const Grain& grain, std::uint32_t seed) {
+  constexpr int kOctaves = 11;  // from 1.024 m to 1 mm
+  std::array<float, kOctaves> strengths{};
+  float cell = kPatches / static_cast<float>(1 << (kOctaves - 1));
+  float carried = 0.0F;
+  for (auto strength = strengths.rbegin(); strength != strengths.rend(); ++strength, cell *= 2.0F) {
+    const float own = grain.floor + grain.peak * std::min(cell / grain.peak_m, grain.peak_m / cell);
+    const float variance = own * own + carried;
+    const float seen = visibility(cell, point.footprint);
+    *strength = seen >= 1.0F && carried <= 0.0F ? own : seen * std::sqrt(variance);
+    carried = 0.25F * (1.0F - seen) * variance;
+  }
   Eigen::Vector3f p = tilt(point.position) / kPatches;
   float sum = 0.0F;
-  for (float cell = kPatches; cell >= kFinestCell; cell *= 0.5F) {
-    const float seen = visibility(cell, point.footprint);
-    if (seen <= 0.0F) break;
-    const float strength = grain.floor + grain.peak * std::min(cell / grain.peak_m, grain.peak_m / cell);
-    sum += seen * strength * lattice_noise(p, seed);
+  for (const float strength : strengths) {
+    if (strength <= 0.0F) break;
+    sum += strength * lattice_noise(p, seed);
     seed = seed * 0x9e3779b9U + 1U;
     p = 2.0F * tilt(p);
   }
   return sum;
+}
+
+/// Share of a surface that spots of a size cover at a place, a third on average. Where the footprint is larger than a spot, the
+/// spots' density still varies: like sum_octaves, with half the contrast for each doubling of the cell.
+float cover_spots(const SurfacePoint& point, float spot, std::uint32_t seed) {
+  constexpr float kMeanCover = 0.33F;
+  constexpr int kDoublings = 5;
+  float cover = kMeanCover;
+  float share = 1.0F;
+  for (int i = 0; i < kDoublings && share > 0.0F; ++i, spot *= 2.0F) {
+    const float seen = visibility(spot, point.footprint);
+    if (seen <= 0.0F) continue;
+    const float spots = smooth(0.5F * compute_noise(point.position, spot, seed + static_cast<std::uint32_t>(i)) + 0.28F);
+    cover += share * seen * (spots - kMeanCover) / static_cast<float>(1 << i);
+    share *= 1.0F - seen;
+  }
+  return cover;
 }
 
 /// Two coordinates in the plane that the normal chooses: floors get (x, y), walls one horizontal axis and z.
@@ -207,7 +236,7 @@ Shade shade_tiles(const SurfacePoint& point, float cell, std::uint32_t seed) {
 
 /// Slabs with domes of second_color in a square grid, each with a lit and a shaded flank.
 Shade shade_tactile(const SurfacePoint& point, float slab, std::uint32_t seed) {
-  constexpr float kDomes = 6.0F;      // along a slab: 50 mm apart on the usual 300 mm
+  constexpr float kDomes = 6.0F;  // along a slab: 50 mm apart on the usual 300 mm
   constexpr Grain kSlab{0.003F, 0.06F, 0.03F};
   constexpr float kRadius = 0.33F;    // cells
   constexpr float kMeanCover = 0.3F;  // about pi kRadius^2, with the soft edge
@@ -225,18 +254,13 @@ Shade shade_tactile(const SurfacePoint& point, float slab, std::uint32_t seed) {
 
 /// Grain everywhere, and second_color on a third of the surface: spots of the given size, stones or stains.
 Shade shade_spotted(const SurfacePoint& point, float spot, const Grain& grain, std::uint32_t seed) {
-  constexpr float kMeanCover = 0.33F;
-  const float seen = visibility(spot, point.footprint);
-  float mix = kMeanCover;
-  if (seen > 0.0F) mix += seen * (smooth(0.5F * compute_noise(point.position, spot, seed ^ 0x5bd1e995U) + 0.28F) - kMeanCover);
-  return {mix, 1.0F + sum_octaves(point, grain, seed)};
+  return {cover_spots(point, spot, seed ^ 0x5bd1e995U), 1.0F + sum_octaves(point, grain, seed)};
 }
 
-/// Grain that is long along x: brushed metal, blades of grass. It drives the mixture too.
-Shade shade_streaked(SurfacePoint point, float stretch, const Grain& grain, std::uint32_t seed) {
+/// The same, long along x: brushed metal, blades of grass.
+Shade shade_streaked(SurfacePoint point, float spot, float stretch, const Grain& grain, std::uint32_t seed) {
   point.position.x() /= stretch;
-  const float brightness = 1.0F + sum_octaves(point, grain, seed);
-  return {std::clamp(0.5F + 0.8F * (brightness - 1.0F), 0.0F, 1.0F), brightness};
+  return shade_spotted(point, spot, grain, seed);
 }
 
 Shade compute_shade(const Material& material, const SurfacePoint& point, std::uint32_t seed) {
@@ -255,9 +279,9 @@ Shade compute_shade(const Material& material, const SurfacePoint& point, std::ui
     case Pattern::cloth:
       return shade_spotted(point, cell, {0.003F, 0.08F, 0.08F}, seed);
     case Pattern::metal:
-      return shade_streaked(point, 12.0F, {0.1F * cell, 0.06F, 0.03F}, seed);
+      return shade_streaked(point, cell, 12.0F, {0.1F * cell, 0.06F, 0.03F}, seed);
     case Pattern::grass:
-      return shade_streaked(point, 1.6F, {0.4F * cell, 0.30F, 0.08F}, seed);
+      return shade_streaked(point, cell, 1.6F, {0.5F * cell, 0.30F, 0.09F}, seed);
     case Pattern::tiles:
       return shade_tiles(point, cell, seed);
     case Pattern::gravel:

@@ -17,24 +17,41 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr std::uint32_t kNext = 0x9e3779b9U;
-constexpr int kMoments = 64;  // poses over the shutter; at 10 px of blur a step is a sixth of a pixel
 
-struct Pose {
+/// Where the eye is when a sample is taken.
+struct Moment {
+  float time;  ///< 0..1 over the shutter
   Eigen::Matrix3f world_from_camera;
-  Eigen::Vector3f origin;
+  Eigen::Vector3f origin;  ///< m, world
 };
 
-Pose make_pose(const Eigen::Isometry3d& world_from_camera, double eye_x) {
+Moment make_moment(float time, const Eigen::Isometry3d& world_from_camera, double eye_x) {
   const Eigen::Vector3d origin = world_from_camera * Eigen::Vector3d(eye_x, 0.0, 0.0);
-  return {world_from_camera.linear().cast<float>(), origin.cast<float>()};
+  return {time, world_from_camera.linear().cast<float>(), origin.cast<float>()};
+}
+
+/// The ranks of the first numbers of the van der Corput sequence of a base: a permutation that spreads neighbours.
+std::vector<float> make_order(int count, int base) {
+  std::vector<double> values;
+  for (int i = 0; i < count; ++i) {
+    double value = 0.0;
+    double digit = 1.0;
+    for (int rest = i; rest > 0; rest /= base) value += (digit /= base) * (rest % base);
+    values.push_back(value);
+  }
+  std::vector<float> ranks;
+  for (const double value : values) {
+    ranks.push_back(
+        static_cast<float>(std::count_if(values.begin(), values.end(), [&](double other) { return other < value; })));
+  }
+  return ranks;
 }
 
 /// One sample of a pixel: a ray and what it finds.
 struct Sample {
   int column, row;
   std::uint32_t random;
-  float time;  ///< 0..1 over the shutter
-  const Pose* pose;
+  const Moment* moment;
   Eigen::Vector3f direction;  ///< unit length
   bool hit;
   Place place;
@@ -45,15 +62,16 @@ struct Sample {
 class Painter {
  public:
   Painter(const Scene& scene, const Tracer& tracer, const Lighting& lighting, const StereoCamera& camera,
-          const RenderParams& params, std::vector<Pose> poses, const SkyLight& sky_light, unsigned seed)
+          std::vector<Moment> moments, const SkyLight& sky_light, unsigned seed)
       : scene_(scene),
         tracer_(tracer),
         lighting_(lighting),
         focal_(static_cast<float>(camera.focal)),
         cx_(static_cast<float>(camera.cx)),
         cy_(static_cast<float>(camera.cy)),
-        samples_(params.samples),
-        poses_(std::move(poses)),
+        samples_(static_cast<int>(moments.size())),
+        row_order_(make_order(samples_, 2)),
+        moments_(std::move(moments)),
         sky_light_(sky_light),
         seed_(mix_bits(seed)) {}
 
@@ -93,33 +111,26 @@ class Painter {
   const Lighting& lighting_;
   float focal_, cx_, cy_;
   int samples_;
-  std::vector<Pose> poses_;
+  std::vector<float> row_order_;
+  std::vector<Moment> moments_;
   const SkyLight& sky_light_;
   std::uint32_t seed_;
 };
 
-/// Samples are jittered in as many columns and rows of the pixel as there are samples (n rooks, Hammersley order), and in as many
-/// parts of the shutter, the order of which differs from pixel to pixel.
+/// Jittered in as many columns and rows of the pixel as there are samples. Each has its own moment, the same in all pixels:
+/// blur of few samples is then a multiple exposure, in which both eyes see the same, instead of noise, in which they do not.
 Sample Painter::aim(int column, int row, int index, int width) const {
   Sample sample{};
   sample.column = column;
   sample.row = row;
-  const auto pixel = mix_bits(seed_ + static_cast<std::uint32_t>(row * width + column));
-  sample.random = mix_bits(pixel + static_cast<std::uint32_t>(index) * kNext);
-  const auto n = static_cast<std::uint32_t>(samples_);
-  const auto i = static_cast<std::uint32_t>(index);
-  // For 4 samples the rows 1, 3, 0, 2 of the columns 0, 1, 2, 3; for others a similar stride.
-  const std::uint32_t stride = n / 2U;
-  const std::uint32_t y = n % 2U == 0U ? (i < stride ? 2U * i + 1U : 2U * (i - stride)) : (2U * i + 1U) % n;
-  const auto stratify = [&](std::uint32_t stratum, std::uint32_t bits) {
-    return (static_cast<float>(stratum) + to_unit(bits)) / static_cast<float>(n) - 0.5F;
-  };
-  const float u = static_cast<float>(column) + stratify(i, sample.random) - cx_;
-  const float v = static_cast<float>(row) + stratify(y, sample.random << 12U) - cy_;
-  sample.time = stratify((i + (pixel >> 5U)) % n, mix_bits(sample.random)) + 0.5F;
-  const auto moments = poses_.size();
-  sample.pose = &poses_[std::min(static_cast<std::size_t>(sample.time * static_cast<float>(moments)), moments - 1)];
-  sample.direction = sample.pose->world_from_camera * Eigen::Vector3f(u, v, focal_).normalized();
+  sample.random =
+      mix_bits(mix_bits(seed_ + static_cast<std::uint32_t>(row * width + column)) + static_cast<std::uint32_t>(index) * kNext);
+  const auto i = static_cast<std::size_t>(index);
+  const float stratum = 1.0F / static_cast<float>(samples_);
+  const float u = static_cast<float>(column) - 0.5F + stratum * (static_cast<float>(index) + to_unit(sample.random)) - cx_;
+  const float v = static_cast<float>(row) - 0.5F + stratum * (row_order_[i] + to_unit(sample.random << 12U)) - cy_;
+  sample.moment = &moments_[i];
+  sample.direction = sample.moment->world_from_camera * Eigen::Vector3f(u, v, focal_).normalized();
   return sample;
 }
 
@@ -130,7 +141,7 @@ void Painter::find_places(std::array<Sample, kPacket>& packet, int used) const {
     const auto lane = static_cast<std::size_t>(i);
     const Sample& sample = packet[i < used ? lane : 0];
     mask.lanes[lane] = i < used ? -1 : 0;
-    set_lane(rays.ray, i, sample.pose->origin, sample.direction, sample.time);
+    set_lane(rays.ray, i, sample.moment->origin, sample.direction, sample.moment->time);
     rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
@@ -140,7 +151,7 @@ void Painter::find_places(std::array<Sample, kPacket>& packet, int used) const {
     sample.hit = rays.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
     if (!sample.hit) continue;
     const Eigen::Vector3f normal(rays.hit.Ng_x[i], rays.hit.Ng_y[i], rays.hit.Ng_z[i]);
-    sample.place = tracer_.locate(sample.pose->origin, sample.direction, rays.ray.tfar[i], sample.time, normal,
+    sample.place = tracer_.locate(sample.moment->origin, sample.direction, rays.ray.tfar[i], sample.moment->time, normal,
                                   rays.hit.geomID[i], rays.hit.primID[i]);
   }
 }
@@ -159,7 +170,7 @@ void Painter::find_sun(std::array<Sample, kPacket>& packet, int used) const {
     const Eigen::Vector3f to_sun = lighting_.to_sun(to_unit(random), to_unit(random << 12U));
     const bool faces = i < used && sample.hit && sample.place.normal.dot(to_sun) > 0.0F;
     mask.lanes[lane] = faces ? -1 : 0;
-    set_lane(rays, i, faces ? lift(sample.place) : sample.pose->origin, to_sun, sample.time);
+    set_lane(rays, i, faces ? lift(sample.place) : sample.moment->origin, to_sun, sample.moment->time);
     if (i < used) sample.to_sun = to_sun;
     tried += faces ? 1 : 0;
   }
@@ -179,7 +190,7 @@ void Painter::find_sun(std::array<Sample, kPacket>& packet, int used) const {
     for (int more = 0; more < kMore; ++more) {
       random = mix_bits(random + 2U * kNext);
       const Eigen::Vector3f to_sun = lighting_.to_sun(to_unit(random), to_unit(random << 12U));
-      sample.sun += tracer_.is_blocked(lift(sample.place), to_sun, sample.time) ? 0.0F : 1.0F;
+      sample.sun += tracer_.is_blocked(lift(sample.place), to_sun, sample.moment->time) ? 0.0F : 1.0F;
     }
     sample.sun /= static_cast<float>(1 + kMore);
   }
@@ -190,18 +201,19 @@ Eigen::Vector3f Painter::shade(const Sample& sample) const {
   const auto material_index = static_cast<std::size_t>(scene_.meshes[place.mesh].material);
   const Material& material = scene_.materials[material_index];
   // A sample stands for its share of the pixel; on a slanted surface that is longer than wide, so the geometric mean.
-  const float distance = (place.position - sample.pose->origin).norm();
+  const float distance = (place.position - sample.moment->origin).norm();
   const float facing = std::max(0.02F, -place.normal.dot(sample.direction));
   const float footprint = distance / focal_ / std::sqrt(facing * static_cast<float>(samples_));
   const Eigen::Vector3f reflectance =
       compute_reflectance(material, {place.body_position, place.normal, footprint}, static_cast<std::uint32_t>(material_index));
-  Eigen::Vector3f irradiance = sky_light_.irradiance(place, sample.time, sample.random);
+  Eigen::Vector3f irradiance = sky_light_.irradiance(place, sample.moment->time, sample.random);
   if (sample.sun > 0.0F) irradiance += sample.sun * std::max(0.0F, place.normal.dot(sample.to_sun)) * scene_.light.sun;
   const Eigen::Vector3f diffuse = reflectance.cwiseProduct(irradiance) / kPi;
   return material.gloss > 0.0F ? add_gloss(sample, material, footprint, diffuse) : diffuse;
 }
 
-/// Mirrored light, more at grazing angles (Schlick 1994), on a slightly wavy surface; the sun as a lobe around its mirror image.
+/// Mirrored light, more at grazing angles (Schlick 1994), on a slightly wavy surface; the sun as a lobe around its mirror
+/// image.
 Eigen::Vector3f Painter::add_gloss(const Sample& sample, const Material& material, float footprint,
                                    const Eigen::Vector3f& diffuse) const {
   constexpr float kWave = 0.10F;    // size, m
@@ -219,9 +231,9 @@ Eigen::Vector3f Painter::add_gloss(const Sample& sample, const Material& materia
   const float below = mirrored.dot(place.normal);
   if (below < 0.0F) mirrored -= 2.0F * below * place.normal;
   const float away = 1.0F - facing;
-  const float fresnel = material.gloss + (1.0F - material.gloss) * std::min(1.0F, 4.0F * material.gloss) * away * away * away *
-                                             away * away;
-  Eigen::Vector3f mirror = lighting_.look(lift(place), mirrored.normalized(), sample.time, sample.random);
+  const float fresnel =
+      material.gloss + (1.0F - material.gloss) * std::min(1.0F, 4.0F * material.gloss) * away * away * away * away * away;
+  Eigen::Vector3f mirror = lighting_.look(lift(place), mirrored.normalized(), sample.moment->time, sample.random);
   if (sample.sun > 0.0F) {
     float lobe = std::max(0.0F, mirrored.dot(sample.to_sun));
     for (int doubling = 0; doubling < 7; ++doubling) lobe *= lobe;
@@ -236,17 +248,18 @@ cv::Mat3f render_picture(const Scene& scene, const Tracer& tracer, const Lightin
                          const cv::Size& size, const CameraMotion& world_from_camera, double time, int eye,
                          const RenderParams& params, unsigned seed) {
   const double eye_x = eye * camera.baseline;
-  const int moments = params.shutter_s > 0.0 ? kMoments : 1;
-  std::vector<Pose> poses;
-  for (int i = 0; i < moments; ++i) {
-    poses.push_back(make_pose(world_from_camera(time + params.shutter_s * ((i + 0.5) / moments - 0.5)), eye_x));
+  std::vector<Moment> moments;
+  for (const float rank : make_order(params.samples, 3)) {
+    const float share = (rank + 0.5F) / static_cast<float>(params.samples);
+    moments.push_back(
+        make_moment(share, world_from_camera(time + params.shutter_s * (static_cast<double>(share) - 0.5)), eye_x));
   }
-  const Pose middle = make_pose(world_from_camera(time), eye_x);
+  const Moment middle = make_moment(0.5F, world_from_camera(time), eye_x);
   const SkyLight sky_light(tracer, lighting,
                            {middle.world_from_camera, middle.origin, static_cast<float>(camera.focal),
                             static_cast<float>(camera.cx), static_cast<float>(camera.cy), size.width, size.height},
                            params.sky_rays, seed);
-  const Painter painter(scene, tracer, lighting, camera, params, std::move(poses), sky_light, seed);
+  const Painter painter(scene, tracer, lighting, camera, std::move(moments), sky_light, seed);
   cv::Mat3f picture(size, cv::Vec3f(0.0F, 0.0F, 0.0F));
   // Fixed tiles: packets, and with them every bit of the result, are the same for any number of threads.
   constexpr int kTileRows = 4;

@@ -69,9 +69,8 @@ Truth Renderer::trace(const StereoCamera& camera, const cv::Size& size, const Ei
   tbb::parallel_for(0, size.height, [&](int row) {
     for (int column = 0; column < size.width; ++column) {
       // With z = 1 the distance along the ray is the depth.
-      const Eigen::Vector3d direction =
-          world_from_camera.linear() *
-          Eigen::Vector3d((column - camera.cx) / camera.focal, (row - camera.cy) / camera.focal, 1.0);
+      const Eigen::Vector3d direction = world_from_camera.linear() * Eigen::Vector3d((column - camera.cx) / camera.focal,
+                                                                                     (row - camera.cy) / camera.focal, 1.0);
       RTCRayHit ray = make_ray(origin.cast<float>(), direction.cast<float>(), 0.0F);
       tracer.intersect(ray);
       if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;

@@ -21,11 +21,10 @@ void require(bool valid, const char* name, double value, const char* expected) {
 }
 
 /// The display curve of sRGB (IEC 61966-2-1).
-double to_display(double light) {
-  return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055;
-}
+double to_display(double light) { return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055; }
 
-/// Light 0..1 in steps fine enough for every 8-bit value: in the dark, where the curve is steepest, a step is 1/20 of a grey value.
+/// Light 0..1 in steps fine enough for every 8-bit value: in the dark, where the curve is steepest, a step is 1/20 of a grey
+/// value.
 constexpr int kCurveSteps = 65536;
 
 const std::vector<std::uint8_t>& display_curve() {

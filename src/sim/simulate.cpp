@@ -28,7 +28,10 @@ StereoCamera make_camera(const SimulationParams& params) {
 std::vector<bool> choose_dropped(const SimulationParams& params) {
   Random random(static_cast<unsigned>(params.seed));
   std::vector<bool> dropped;
-  for (int frame = 0; frame < params.frames; ++frame) dropped.push_back(random.chance(params.dropped) && frame > 0);
+  for (int frame = 0; frame < params.frames; ++frame) {
+    const bool inside = frame > 0 && frame + 1 < params.frames;  // a sequence begins and ends with pictures
+    dropped.push_back(random.chance(params.dropped) && inside);
+  }
   return dropped;
 }
 
@@ -47,8 +50,8 @@ World make_checked_world(const SimulationParams& params) {
 void SimulationParams::validate() const {
   constexpr double kLongest = 3600.0;
   require_within("frames", frames, 1, 100000);
-  require_within("width", width, kMinImageWidth, 8192);
-  require_within("height", height, kMinImageHeight, 8192);
+  require_within("width", width, kMinImageWidth, 4096);
+  require_within("height", height, kMinImageHeight, 4096);
   require_within("focal_px", focal_px, 10.0, 1e5);
   require_within("baseline_m", baseline_m, 0.001, 10.0);
   require_within("fps", fps, 0.1, 1000.0);

@@ -37,8 +37,8 @@ void SkyLight::gather_row(int row) {
   for (int column = 0; column < columns_; ++column) {
     const float u = static_cast<float>(column * kStep) + 0.5F * (kStep - 1);
     const float v = static_cast<float>(row * kStep) + 0.5F * (kStep - 1);
-    const Eigen::Vector3f direction = view_.world_from_camera *
-                                      Eigen::Vector3f((u - view_.cx) / view_.focal, (v - view_.cy) / view_.focal, 1.0F);
+    const Eigen::Vector3f direction =
+        view_.world_from_camera * Eigen::Vector3f((u - view_.cx) / view_.focal, (v - view_.cy) / view_.focal, 1.0F);
     RTCRayHit ray = make_ray(view_.origin, direction, kMiddle);
     tracer_.intersect(ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;

@@ -26,8 +26,8 @@ void attach(RTCDevice device, RTCScene scene, const Mesh& mesh, unsigned id, uns
         geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, sizeof(Eigen::Vector3f), mesh.vertices.size()));
     std::copy(mesh.vertices.begin(), mesh.vertices.end(), vertices);
   }
-  auto* triangles = static_cast<Eigen::Vector3i*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Eigen::Vector3i), mesh.triangles.size()));
+  auto* triangles = static_cast<Eigen::Vector3i*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                                          sizeof(Eigen::Vector3i), mesh.triangles.size()));
   std::copy(mesh.triangles.begin(), mesh.triangles.end(), triangles);
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(scene, geometry, id);
@@ -96,14 +96,15 @@ void Tracer::intersect(const PacketMask& mask, RTCRayHit16& rays) const {
   if (moving_ != nullptr) rtcIntersect16(mask.lanes.data(), moving_, &context, &rays);
 }
 
-void Tracer::occlude(PacketMask mask, RTCRay16& rays) const {
+void Tracer::occlude(const PacketMask& mask, RTCRay16& rays) const {
   RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
   rtcOccluded16(mask.lanes.data(), standing_, &context, &rays);
   if (moving_ == nullptr) return;
+  PacketMask left = mask;
   for (int i = 0; i < kPacket; ++i) {
-    if (rays.tfar[i] < 0.0F) mask.lanes[static_cast<std::size_t>(i)] = 0;
+    if (rays.tfar[i] < 0.0F) left.lanes[static_cast<std::size_t>(i)] = 0;
   }
-  rtcOccluded16(mask.lanes.data(), moving_, &context, &rays);
+  rtcOccluded16(left.lanes.data(), moving_, &context, &rays);
 }
 
 void Tracer::intersect(RTCRayHit& ray) const {

@@ -26,8 +26,8 @@ struct Place {
   unsigned triangle;              ///< of that mesh
 };
 
-/// The meshes of a scene in Embree: what stands in one ray-tracing scene, what moves in another that is rebuilt for each shutter
-/// opening with linear motion blur. Tracing is safe from several threads; open_shutter is not.
+/// The meshes of a scene in Embree: what stands in one ray-tracing scene, what moves in another that is rebuilt for each
+/// shutter opening with linear motion blur. Tracing is safe from several threads; open_shutter is not.
 class Tracer {
  public:
   /// @param scene valid; its meshes are copied, the scene itself has to outlive the tracer.
@@ -42,7 +42,7 @@ class Tracer {
   /// First hits of coherent rays; geomID is the mesh, or RTC_INVALID_GEOMETRY_ID.
   void intersect(const PacketMask& mask, RTCRayHit16& rays) const;
   /// Blocked rays get a negative tfar.
-  void occlude(PacketMask mask, RTCRay16& rays) const;
+  void occlude(const PacketMask& mask, RTCRay16& rays) const;
   void intersect(RTCRayHit& ray) const;
   [[nodiscard]] bool is_blocked(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float time) const;
   /// First hit on what stands only.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -107,26 +108,41 @@ std::size_t count_triangles(const Scene& scene) {
   return count;
 }
 
+using Triangle = std::array<Eigen::Vector3d, 3>;
+
+/// Whether a triangle comes into a box, to within a few centimetres: halved along its longest side until that is clear.
+bool reaches_into(const Triangle& triangle, const Eigen::AlignedBox3d& box) {
+  Eigen::AlignedBox3d bounds;
+  for (const Eigen::Vector3d& p : triangle) bounds.extend(p);
+  if (!box.intersects(bounds)) return false;
+  if (bounds.diagonal().norm() < 0.05 || box.contains(bounds)) return true;
+  std::size_t longest = 0;
+  const auto side = [&](std::size_t i) { return (triangle.at((i + 1) % 3) - triangle.at(i)).norm(); };
+  for (std::size_t i = 1; i < 3; ++i) longest = side(i) > side(longest) ? i : longest;
+  const Eigen::Vector3d middle = 0.5 * (triangle.at(longest) + triangle.at((longest + 1) % 3));
+  Triangle first = triangle;
+  Triangle second = triangle;
+  first.at((longest + 1) % 3) = middle;
+  second.at(longest) = middle;
+  return reaches_into(first, box) || reaches_into(second, box);
+}
+
 /// Whether any standing surface comes within a body's width and height of a walker at a place on ground of height z.
 bool is_blocked(const Scene& scene, const Eigen::Vector2d& place, double z) {
   constexpr double kHalfWidth = 0.25;
   constexpr double kStepOver = 0.3;
   constexpr double kHeadroom = 1.95;
+  const Eigen::AlignedBox3d body(Eigen::Vector3d(place.x() - kHalfWidth, place.y() - kHalfWidth, z + kStepOver),
+                                 Eigen::Vector3d(place.x() + kHalfWidth, place.y() + kHalfWidth, z + kHeadroom));
+  const auto vertex = [](const Mesh& mesh, int i) -> Eigen::Vector3d {
+    return mesh.vertices[static_cast<std::size_t>(i)].cast<double>();
+  };
   for (const Mesh& mesh : scene.meshes) {
     if (mesh.body >= 0) continue;
-    for (const Eigen::Vector3i& t : mesh.triangles) {
-      Polygon corners;
-      Eigen::AlignedBox3d bounds;
-      for (int i = 0; i < 3; ++i) {
-        const Eigen::Vector3d p = mesh.vertices[static_cast<std::size_t>(t[i])].cast<double>();
-        corners.emplace_back(p.head<2>());
-        bounds.extend(p);
-      }
-      if (bounds.max().z() < z + kStepOver || bounds.min().z() > z + kHeadroom) continue;
-      if (bounds.min().x() > place.x() + kHalfWidth || bounds.max().x() < place.x() - kHalfWidth) continue;
-      if (bounds.min().y() > place.y() + kHalfWidth || bounds.max().y() < place.y() - kHalfWidth) continue;
-      if (distance_to_polygon(corners, place) < kHalfWidth) return true;
-    }
+    const auto blocks = [&](const Eigen::Vector3i& t) {
+      return reaches_into({vertex(mesh, t[0]), vertex(mesh, t[1]), vertex(mesh, t[2])}, body);
+    };
+    if (std::ranges::any_of(mesh.triangles, blocks)) return true;
   }
   return false;
 }

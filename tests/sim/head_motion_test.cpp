@@ -17,6 +17,12 @@ using Eigen::Vector3d;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
+std::vector<double> times_until(double end, double step) {
+  std::vector<double> times;
+  while (static_cast<double>(times.size()) * step < end) times.push_back(static_cast<double>(times.size()) * step);
+  return times;
+}
+
 double flat(double /*x*/, double /*y*/, double /*z*/) { return 0.0; }
 
 // Nothing moves but the walker.
@@ -108,7 +114,7 @@ TEST(HeadMotion, PassesEveryCornerCloselyAndKeepsItsSpeed) {
   std::vector<double> nearest(walk.waypoints.size(), 1e9);
   double slowest = 1e9;
   double fastest = 0.0;
-  for (double time = 0.0; time <= motion.duration(); time += 0.01) {
+  for (const double time : times_until(motion.duration(), 0.01)) {
     const Vector3d position = motion(time).translation();
     for (std::size_t i = 0; i < nearest.size(); ++i) {
       nearest[i] = std::min(nearest[i], (position.head<2>() - walk.waypoints[i]).norm());
@@ -137,7 +143,7 @@ TEST(HeadMotion, BobsOnceAStepAndSwaysOnceEveryTwo) {
   }
   double highest = 0.0;
   double leftmost = 0.0;
-  for (double time = 0.0; time < 4.0; time += 0.005) {
+  for (const double time : times_until(4.0, 0.005)) {
     highest = std::max(highest, motion(time).translation().z());
     leftmost = std::max(leftmost, motion(time).translation().y());
   }
@@ -154,7 +160,7 @@ TEST(HeadMotion, VelocityAndAccelerationHaveNoJumps) {
   double rate_change = 0.0;
   double velocity_change = 0.0;
   double acceleration_change = 0.0;
-  for (double time = 0.0; time < motion.duration(); time += kStep) {
+  for (const double time : times_until(motion.duration(), kStep)) {
     rate_change = std::max(rate_change, (angular_rate(motion, time + kStep) - angular_rate(motion, time)).norm());
     velocity_change = std::max(velocity_change, (velocity(motion, time + kStep) - velocity(motion, time)).norm());
     acceleration_change =
@@ -174,7 +180,7 @@ TEST(HeadMotion, LooksAroundQuicklyButNotTooQuickly) {
   double fastest = 0.0;
   double left = 0.0;
   double right = 0.0;
-  for (double time = 0.0; time < motion.duration(); time += 0.01) {
+  for (const double time : times_until(motion.duration(), 0.01)) {
     fastest = std::max(fastest, angular_rate(motion, time).norm() * kDegrees);
     const Vector3d ahead = motion(time).linear().col(2);
     left = std::max(left, std::atan2(ahead.y(), ahead.x()) * kDegrees);
@@ -195,6 +201,17 @@ TEST(HeadMotion, TheSeedChoosesTheLooks) {
   const HeadMotion other(walk, flat);
   EXPECT_EQ(first(10.0).matrix(), same(10.0).matrix());
   EXPECT_GT((first(10.0).linear() - other(10.0).linear()).norm(), 0.01);
+}
+
+TEST(HeadMotion, WalksOfAllFamiliesLastAsLongAsAskedWithRoundedCorners) {
+  for (const Family& family : families()) {
+    for (const double asked : {1.0, 25.0}) {
+      for (int seed = 1; seed <= 8; ++seed) {
+        const World world = make_world(family.name, seed, asked);
+        EXPECT_GE(HeadMotion(world.walk, flat).duration(), asked) << family.name << " " << seed;
+      }
+    }
+  }
 }
 
 TEST(HeadMotion, RefusesWalksThatCannotBeWalked) {

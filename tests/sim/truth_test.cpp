@@ -197,12 +197,14 @@ std::vector<double> rim_distances(const Simulator& simulator, int frame, const I
   const Eigen::Isometry3d camera_from_world = simulator.world_from_camera(frame).inverse();
   std::vector<double> distances;
   constexpr double kSpacing = 0.02;  // m
+  constexpr double kFarthest = 8.0;  // m, as far as drops are looked for
   for (std::size_t i = 0; i < instance.opening.size(); ++i) {
     const Eigen::Vector3d& from = instance.opening[i];
     const Eigen::Vector3d side = instance.opening[(i + 1) % instance.opening.size()] - from;
-    for (double way = 0.0; way < side.norm(); way += kSpacing) {
-      const Eigen::Vector3d point = camera_from_world * (from + way * side.normalized());
-      if (point.z() < 0.2) continue;
+    const int points = static_cast<int>(side.norm() / kSpacing);
+    for (int k = 0; k < points; ++k) {
+      const Eigen::Vector3d point = camera_from_world * (from + k * kSpacing * side.normalized());
+      if (point.z() < 0.2 || point.z() > kFarthest) continue;
       const Eigen::Vector3d seen = simulator.camera().project(point);
       const int u = static_cast<int>(std::lround(seen.x()));
       const int v = static_cast<int>(std::lround(seen.y()));

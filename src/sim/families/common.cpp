@@ -9,16 +9,31 @@ namespace brink::sim {
 namespace {
 
 constexpr double kPathClearance = 0.55;     // of solid things from the path, m
+constexpr double kSpare = 0.1;              // of path beyond what the walk needs, m
 constexpr double kOpeningClearance = 0.25;  // of anything from a rim, m
 
-/// The last `length` metres of a line.
+/// How much shorter a walk round a corner is than the corner: heads are turned over about a metre (HeadMotion rounds with a
+/// Gaussian of 0.4 m, which gives 0.23 m times 1 - cos of a small turn and 0.32 m of a full one).
+double rounding_loss(const Eigen::Vector2d& before, const Eigen::Vector2d& corner, const Eigen::Vector2d& after) {
+  constexpr double kLoss = 0.33;  // m
+  return kLoss * (1.0 - (corner - before).normalized().dot((after - corner).normalized()));
+}
+
+double walked_length(const Line& line) {
+  double length = line_length(line);
+  for (std::size_t i = 2; i < line.size(); ++i) length -= rounding_loss(line[i - 2], line[i - 1], line[i]);
+  return length;
+}
+
+/// The last part of a line, so long that walking it with rounded corners takes `length` metres.
 Line cut_to_end(const Line& line, double length) {
   Line kept{line.back()};
   for (std::size_t i = line.size() - 1; i > 0 && length > 0.0; --i) {
     const Eigen::Vector2d step = line[i - 1] - line[i];
-    const double share = std::min(1.0, length / std::max(step.norm(), 1e-9));
+    const double share = std::min(1.0, length / step.norm());
     kept.emplace_back(line[i] + share * step);
     length -= step.norm();
+    if (i > 1) length += rounding_loss(line[i - 2], line[i - 1], line[i]);
   }
   std::ranges::reverse(kept);
   return kept;
@@ -72,11 +87,11 @@ int Site::add_instance(const std::string& type, double depth_m, const Polygon& r
 
 void Site::set_path(const Line& approach, const Line& way_back) {
   Line whole = approach;
-  while (line_length(whole) < path_length()) {
+  while (walked_length(whole) < path_length() + kSpare) {
     whole.insert(whole.begin(), way_back.begin(), way_back.end());
     whole.insert(whole.begin(), approach.begin(), approach.end());
   }
-  path = cut_to_end(whole, path_length());
+  path = cut_to_end(whole, path_length() + kSpare);
 }
 
 Eigen::Vector2d Site::position_on_path(double time_s) const {

@@ -33,6 +33,11 @@ struct Site {
     bool solid;
   };
   std::vector<Spot> spots{};  ///< taken by things
+  struct PasserBy {
+    Eigen::Vector2d start;  ///< at time 0
+    Eigen::Vector2d velocity;
+  };
+  std::vector<PasserBy> passers_by{};
   /// Height that varies along x only, beside the tilt: ramps. Empty = none.
   HeightFunction profile{};
 

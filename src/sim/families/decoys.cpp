@@ -119,14 +119,15 @@ void add_flat(Site& site, const Eigen::AlignedBox2d& area) {
   if (kind == 7) add_flat_thing(site, rectangle(0.75 * radius, 0.6 * radius), pick_repair(random));
 }
 
-/// Whether somebody who walks straight on meets nothing for some seconds before and after, and the walker at no time.
-bool is_way_clear(const Site& site, const Eigen::Vector2d& meeting, const Eigen::Vector2d& velocity, double time_s) {
+/// Whether somebody who walks straight on meets people at no time, and things neither some seconds before nor after a moment.
+bool is_way_clear(const Site& site, const Site::PasserBy& walker, double time_s) {
   constexpr double kStep = 0.1;
-  constexpr double kInSight = 5.0;  // s
-  for (double t = -time_s; t <= site.duration_s - time_s; t += kStep) {
-    const Eigen::Vector2d p = meeting + t * velocity;
-    if ((site.position_on_path(time_s + t) - p).norm() < 1.2) return false;
-    if (std::abs(t) > kInSight) continue;
+  constexpr double kInSight = 9.0;  // s
+  for (double t = 0.0; t <= site.duration_s; t += kStep) {
+    const Eigen::Vector2d p = walker.start + t * walker.velocity;
+    const auto person_near = [&](const Site::PasserBy& other) { return (other.start + t * other.velocity - p).norm() < 0.9; };
+    if ((site.position_on_path(t) - p).norm() < 1.4 || std::ranges::any_of(site.passers_by, person_near)) return false;
+    if (std::abs(t - time_s) > kInSight) continue;
     const auto solid_near = [&](const Site::Spot& spot) { return spot.solid && (spot.center - p).norm() < spot.radius + 0.35; };
     const auto opening_near = [&](const Polygon& opening) { return distance_to_polygon(opening, p) < 0.5; };
     if (std::ranges::any_of(site.spots, solid_near) || std::ranges::any_of(site.openings, opening_near)) return false;
@@ -189,19 +190,26 @@ void add_person(Site& site, const Eigen::Vector2d& foot, double yaw, int body) {
 }
 
 void add_passer_by(Site& site) {
-  constexpr int kTries = 40;
+  constexpr int kTries = 120;
   Random& random = site.random;
   for (int i = 0; i < kTries; ++i) {
     const double time = random.uniform(0.15, 0.9) * site.duration_s;
     const Eigen::Vector2d here = site.position_on_path(time);
     const Eigen::Vector2d ahead = site.position_on_path(time + 0.5) - here;
     if (ahead.norm() < 1e-6) continue;
+    // Along the street or anyhow; where there are ramps, across, because bodies move evenly.
+    const bool along = random.chance(0.5);
     const double side = random.sign();
-    const double yaw = site.profile ? side * 0.5 * kPi : random.uniform(-kPi, kPi);
+    const double free_yaw = along ? 0.5 * (1.0 + side) * kPi + random.uniform(-0.1, 0.1) : random.uniform(-kPi, kPi);
+    const double yaw = site.profile ? side * 0.5 * kPi : free_yaw;
     const Eigen::Vector2d velocity = random.uniform(0.8, 1.5) * Eigen::Vector2d(std::cos(yaw), std::sin(yaw));
-    const Eigen::Vector2d meeting = here + random.uniform(2.2, 4.0) * ahead.normalized();
-    if (!is_way_clear(site, meeting, velocity, time)) continue;
-    add_person(site, meeting - time * velocity, yaw, site.add_body({velocity.x(), velocity.y(), 0.0}));
+    const Eigen::Vector2d aside(-ahead.y(), ahead.x());
+    const Eigen::Vector2d meeting =
+        here + random.uniform(2.2, 4.0) * ahead.normalized() + random.uniform(-3.0, 3.0) * aside.normalized();
+    const Site::PasserBy walker{.start = meeting - time * velocity, .velocity = velocity};
+    if (!is_way_clear(site, walker, time)) continue;
+    site.passers_by.push_back(walker);
+    add_person(site, walker.start, yaw, site.add_body({velocity.x(), velocity.y(), 0.0}));
     return;
   }
 }

@@ -46,7 +46,7 @@ void add_road(Site& site, const Extent& extent) {
 }
 
 /// Sloped ragged walls and an uneven floor.
-Hazard add_pothole(Site& site, double x) {
+Hazard add_pothole(Site& site, double x, bool past_by_houses) {
   Random& random = site.random;
   const double radius = random.uniform(0.25, 0.45);
   const double depth = random.uniform(0.05, 0.25);
@@ -71,8 +71,8 @@ Hazard add_pothole(Site& site, double x) {
   site.add(std::move(mesh), site.add_material(materials::varied(inside, random)), id);
   site.openings.push_back(rim);
   const Eigen::Vector2d half = 0.5 * compute_bounds(rim).sizes();
-  const double aside =
-      random.chance(0.5) ? std::max(-3.2, center.y() - half.y() - 0.7) : std::min(-0.6, center.y() + half.y() + 0.7);
+  const double aside = past_by_houses || random.chance(0.5) ? std::max(-3.2, center.y() - half.y() - 0.7)
+                                                            : std::min(-0.6, center.y() + half.y() + 0.7);
   return {.center = center, .half_size = half, .aside_y = aside};
 }
 
@@ -118,11 +118,11 @@ void build_street(Site& site) {
   const double spacing = std::clamp(site.path_length() / 4.5, 3.2, 5.0);
   const int trench = random.integer(0, 2);
   std::vector<Hazard> hazards;
-  for (int i = 0; i < 3; ++i) hazards.push_back(i == trench ? add_trench(site, i * spacing) : add_pothole(site, i * spacing));
+  for (int i = 0; i < 3; ++i)
+    hazards.push_back(i == trench ? add_trench(site, i * spacing) : add_pothole(site, i * spacing, i == 2));
   add_cellar_stairs(site, random.uniform(-0.5, 1.5 * spacing));
-  const double end = 2.0 * spacing + random.uniform(2.6, 3.4);
+  const double end = hazards.back().center.x() + hazards.back().half_size.x() + random.uniform(2.0, 2.8);
   Line approach = weave_past({-5.0, kLane}, hazards);
-  approach.emplace_back(end - 1.0, -2.1);
   approach.emplace_back(end, -0.92);
   const Extent extent{.begin = -11.0, .end = end + 14.0};
   add_road(site, extent);
