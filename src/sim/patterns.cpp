@@ -153,16 +153,16 @@ Stone find_stone(const Eigen::Vector2f& p, std::uint32_t seed) {
   float first = std::numeric_limits<float>::max();
   float second = first;
   Stone stone{0U, 0.0F};
-  for (float y = cy - 1.0F; y <= cy + 1.0F; ++y) {
-    for (float x = cx - 1.0F; x <= cx + 1.0F; ++x) {
-      const std::uint32_t hash = hash_cell(x, y, seed);
-      const float dx = x + to_unit(hash) - p.x();
-      const float dy = y + to_unit(hash << 12U) - p.y();
-      const float squared = dx * dx + dy * dy;
-      if (squared < first) stone.hash = hash;
-      second = std::min(second, std::max(first, squared));
-      first = std::min(first, squared);
-    }
+  for (int i = 0; i < 9; ++i) {
+    const float x = cx + static_cast<float>(i % 3 - 1);
+    const float y = cy + static_cast<float>(i / 3 - 1);
+    const std::uint32_t hash = hash_cell(x, y, seed);
+    const float dx = x + to_unit(hash) - p.x();
+    const float dy = y + to_unit(hash << 12U) - p.y();
+    const float squared = dx * dx + dy * dy;
+    if (squared < first) stone.hash = hash;
+    second = std::min(second, std::max(first, squared));
+    first = std::min(first, squared);
   }
   stone.gap = std::sqrt(second) - std::sqrt(first);
   return stone;
@@ -175,8 +175,8 @@ Shade shade_gravel(const SurfacePoint& point, float cell, std::uint32_t seed) {
   const float seen = visibility(cell, point.footprint);
   if (seen <= 0.0F) return {0.5F, surface};
   const Stone stone = find_stone(flatten(point) / cell, seed);
-  // 0.77 is the mean of smooth(gap / 0.3), so that the brightness keeps its mean where stones blur.
-  const float lit = 0.35F + 0.65F / 0.77F * smooth(stone.gap / 0.3F) + 0.5F * (to_unit(stone.hash * 0x9e3779b9U) - 0.5F);
+  // 0.66 is the mean of smooth(gap / 0.3), so that the brightness keeps its mean where stones blur.
+  const float lit = 0.35F + 0.65F / 0.66F * smooth(stone.gap / 0.3F) + 0.5F * (to_unit(stone.hash * 0x9e3779b9U) - 0.5F);
   return {0.5F + seen * (to_unit(stone.hash << 7U) - 0.5F), surface * (1.0F + seen * (lit - 1.0F))};
 }
 
@@ -191,20 +191,19 @@ Shade shade_leaves(const SurfacePoint& point, float cell, std::uint32_t seed) {
   const float cy = std::floor(p.y());
   float cover = 0.0F;
   std::uint32_t top = 0U;
-  for (float y = cy - 1.0F; y <= cy + 1.0F; ++y) {
-    for (float x = cx - 1.0F; x <= cx + 1.0F; ++x) {
-      const std::uint32_t hash = hash_cell(x, y, seed);
-      if ((hash & 1U) != 0U || hash < top) continue;
-      const Eigen::Vector2f to_center = p - Eigen::Vector2f(x + to_unit(hash), y + to_unit(hash << 12U));
-      const Eigen::Vector2f axis =
-          Eigen::Vector2f(to_unit(hash << 5U) - 0.5F, to_unit(hash << 17U) - 0.5F + 1e-3F).normalized();
-      const float along = to_center.dot(axis) / 0.55F;
-      const float across = (to_center.x() * axis.y() - to_center.y() * axis.x()) / 0.28F;
-      const float inside = smooth(4.0F * (1.0F - along * along - across * across));
-      if (inside <= 0.0F) continue;
-      cover = inside;
-      top = hash;
-    }
+  for (int i = 0; i < 9; ++i) {
+    const float x = cx + static_cast<float>(i % 3 - 1);
+    const float y = cy + static_cast<float>(i / 3 - 1);
+    const std::uint32_t hash = hash_cell(x, y, seed);
+    if ((hash & 1U) != 0U || hash < top) continue;
+    const Eigen::Vector2f to_center = p - Eigen::Vector2f(x + to_unit(hash), y + to_unit(hash << 12U));
+    const Eigen::Vector2f axis = Eigen::Vector2f(to_unit(hash << 5U) - 0.5F, to_unit(hash << 17U) - 0.5F + 1e-3F).normalized();
+    const float along = to_center.dot(axis) / 0.55F;
+    const float across = (to_center.x() * axis.y() - to_center.y() * axis.x()) / 0.28F;
+    const float inside = smooth(4.0F * (1.0F - along * along - across * across));
+    if (inside <= 0.0F) continue;
+    cover = inside;
+    top = hash;
   }
   shade.mix += seen * (cover - shade.mix);
   if (cover > 0.0F) shade.brightness *= 1.0F + seen * 0.7F * (to_unit(top * 0x9e3779b9U) - 0.5F);

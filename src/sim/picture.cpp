@@ -40,6 +40,7 @@ std::vector<float> make_order(int count, int base) {
     values.push_back(value);
   }
   std::vector<float> ranks;
+  ranks.reserve(values.size());
   for (const double value : values) {
     ranks.push_back(
         static_cast<float>(std::count_if(values.begin(), values.end(), [&](double other) { return other < value; })));
