@@ -114,7 +114,8 @@ float sum_octaves(const SurfacePoint& point, const Grain& grain, std::uint32_t s
 
 /// Share of a surface that spots of a size cover at a place, a third on average. Where the footprint is larger than a spot, the
 /// spots' density still varies: like sum_octaves, with half the contrast for each doubling of the cell.
-float cover_spots(const SurfacePoint& point, float spot, std::uint32_t seed) {
+/// @param raggedness moves the spots' edges in and out, standard deviations of the noise.
+float cover_spots(const SurfacePoint& point, float spot, float raggedness, std::uint32_t seed) {
   constexpr float kMeanCover = 0.33F;
   constexpr int kDoublings = 5;
   float cover = kMeanCover;
@@ -122,7 +123,8 @@ float cover_spots(const SurfacePoint& point, float spot, std::uint32_t seed) {
   for (int i = 0; i < kDoublings && share > 0.0F; ++i, spot *= 2.0F) {
     const float seen = visibility(spot, point.footprint);
     if (seen <= 0.0F) continue;
-    const float spots = smooth(0.5F * compute_noise(point.position, spot, seed + static_cast<std::uint32_t>(i)) + 0.28F);
+    const float noise = compute_noise(point.position, spot, seed + static_cast<std::uint32_t>(i)) + raggedness;
+    const float spots = smooth(0.5F * noise + 0.28F);
     cover += share * seen * (spots - kMeanCover) / static_cast<float>(1 << i);
     share *= 1.0F - seen;
   }
@@ -251,15 +253,22 @@ Shade shade_tactile(const SurfacePoint& point, float slab, std::uint32_t seed) {
   return shade;
 }
 
-/// Grain everywhere, and second_color on a third of the surface: spots of the given size, stones or stains.
-Shade shade_spotted(const SurfacePoint& point, float spot, const Grain& grain, std::uint32_t seed) {
-  return {cover_spots(point, spot, seed ^ 0x5bd1e995U), 1.0F + sum_octaves(point, grain, seed)};
+/// Grain everywhere, and second_color on a third of the surface: stones of the given size.
+Shade shade_stones(const SurfacePoint& point, float stone, const Grain& grain, std::uint32_t seed) {
+  return {cover_spots(point, stone, 0.0F, seed ^ 0x5bd1e995U), 1.0F + sum_octaves(point, grain, seed)};
 }
 
-/// The same, long along x: brushed metal, blades of grass.
+/// The same with stains, the edges of which follow the grain: dirt sits in the dark hollows.
+Shade shade_stains(const SurfacePoint& point, float stain, const Grain& grain, std::uint32_t seed) {
+  constexpr float kRaggedness = 3.0F;
+  const float uneven = sum_octaves(point, grain, seed);
+  return {cover_spots(point, stain, -kRaggedness * uneven, seed ^ 0x5bd1e995U), 1.0F + uneven};
+}
+
+/// Stones and grain that are long along x: brushed metal, blades of grass.
 Shade shade_streaked(SurfacePoint point, float spot, float stretch, const Grain& grain, std::uint32_t seed) {
   point.position.x() /= stretch;
-  return shade_spotted(point, spot, grain, seed);
+  return shade_stones(point, spot, grain, seed);
 }
 
 Shade compute_shade(const Material& material, const SurfacePoint& point, std::uint32_t seed) {
@@ -268,15 +277,15 @@ Shade compute_shade(const Material& material, const SurfacePoint& point, std::ui
     case Pattern::plain:
       return {0.0F, 1.0F};
     case Pattern::asphalt:
-      return shade_spotted(point, 0.2F * cell, {0.25F * cell, 0.10F, 0.03F}, seed);
+      return shade_stones(point, 0.2F * cell, {0.25F * cell, 0.10F, 0.03F}, seed);
     case Pattern::concrete:
-      return shade_spotted(point, cell, {0.003F, 0.08F, 0.04F}, seed);
+      return shade_stains(point, cell, {0.003F, 0.08F, 0.04F}, seed);
     case Pattern::plaster:
-      return shade_spotted(point, cell, {0.002F, 0.05F, 0.025F}, seed);
+      return shade_stains(point, cell, {0.002F, 0.05F, 0.025F}, seed);
     case Pattern::rubber:
-      return shade_spotted(point, cell, {0.003F, 0.06F, 0.01F}, seed);
+      return shade_stains(point, cell, {0.003F, 0.06F, 0.01F}, seed);
     case Pattern::cloth:
-      return shade_spotted(point, cell, {0.003F, 0.08F, 0.08F}, seed);
+      return shade_stones(point, cell, {0.003F, 0.08F, 0.08F}, seed);
     case Pattern::metal:
       return shade_streaked(point, cell, 12.0F, {0.1F * cell, 0.06F, 0.03F}, seed);
     case Pattern::grass:
