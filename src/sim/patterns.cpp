@@ -37,20 +37,25 @@ float visibility(float cell, float footprint) { return std::clamp(cell / footpri
 /// Quintic weight, twice differentiable: no creases at the cells' borders.
 float ease(float x) { return x * x * x * (x * (x * 6.0F - 15.0F) + 10.0F); }
 
+/// Without the call into the C library that std::floor is on a plain x86-64.
+int floor_of(float x) {
+  const int truncated = static_cast<int>(x);
+  return truncated - (x < static_cast<float>(truncated) ? 1 : 0);
+}
+
 /// Value noise on the integer lattice, mean 0, variance 1.
 float lattice_noise(const Eigen::Vector3f& p, std::uint32_t seed) {
   // The weights' mean square sum per axis is 181/231, the variance of uniform values in [-1, 1] is 1/3.
   constexpr float kToUnitVariance = 2.4973F;
-  const float fx = std::floor(p.x());
-  const float fy = std::floor(p.y());
-  const float fz = std::floor(p.z());
-  const auto coordinate = [](float f, std::uint32_t prime) { return static_cast<std::uint32_t>(static_cast<int>(f)) * prime; };
   constexpr std::uint32_t kX = 0x8da6b343U;
   constexpr std::uint32_t kY = 0xd8163841U;
   constexpr std::uint32_t kZ = 0xcb1ab31fU;
-  const std::uint32_t x = coordinate(fx, kX);
-  const std::uint32_t y = coordinate(fy, kY);
-  const std::uint32_t z = coordinate(fz, kZ);
+  const int ix = floor_of(p.x());
+  const int iy = floor_of(p.y());
+  const int iz = floor_of(p.z());
+  const std::uint32_t x = static_cast<std::uint32_t>(ix) * kX;
+  const std::uint32_t y = static_cast<std::uint32_t>(iy) * kY;
+  const std::uint32_t z = static_cast<std::uint32_t>(iz) * kZ;
   const auto corner = [&](std::uint32_t cx, std::uint32_t cy, std::uint32_t cz) {
     std::uint32_t h = cx ^ cy ^ cz ^ seed;
     h ^= h >> 15U;
@@ -58,9 +63,9 @@ float lattice_noise(const Eigen::Vector3f& p, std::uint32_t seed) {
     h ^= h >> 13U;
     return static_cast<float>(static_cast<std::int32_t>(h * 0x297a2d39U));
   };
-  const float wx = ease(p.x() - fx);
-  const float wy = ease(p.y() - fy);
-  const float wz = ease(p.z() - fz);
+  const float wx = ease(p.x() - static_cast<float>(ix));
+  const float wy = ease(p.y() - static_cast<float>(iy));
+  const float wz = ease(p.z() - static_cast<float>(iz));
   const auto along_x = [&](std::uint32_t cy, std::uint32_t cz) {
     const float a = corner(x, cy, cz);
     return a + wx * (corner(x + kX, cy, cz) - a);
