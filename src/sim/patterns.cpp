@@ -161,12 +161,14 @@ Stone find_stone(const Eigen::Vector2f& p, std::uint32_t seed) {
   float second = first;
   Stone stone{0U, 0.0F};
   for (int i = 0; i < 9; ++i) {
-    const float x = cx + static_cast<float>(i % 3 - 1);
-    const float y = cy + static_cast<float>(i / 3 - 1);
+    const int dx = i % 3 - 1;
+    const int dy = i / 3 - 1;
+    const float x = cx + static_cast<float>(dx);
+    const float y = cy + static_cast<float>(dy);
     const std::uint32_t hash = hash_cell(x, y, seed);
-    const float dx = x + to_unit(hash) - p.x();
-    const float dy = y + to_unit(hash << 12U) - p.y();
-    const float squared = dx * dx + dy * dy;
+    const float off_x = x + to_unit(hash) - p.x();
+    const float off_y = y + to_unit(hash << 12U) - p.y();
+    const float squared = off_x * off_x + off_y * off_y;
     if (squared < first) stone.hash = hash;
     second = std::min(second, std::max(first, squared));
     first = std::min(first, squared);
@@ -199,8 +201,10 @@ Shade shade_leaves(const SurfacePoint& point, float cell, std::uint32_t seed) {
   float cover = 0.0F;
   std::uint32_t top = 0U;
   for (int i = 0; i < 9; ++i) {
-    const float x = cx + static_cast<float>(i % 3 - 1);
-    const float y = cy + static_cast<float>(i / 3 - 1);
+    const int dx = i % 3 - 1;
+    const int dy = i / 3 - 1;
+    const float x = cx + static_cast<float>(dx);
+    const float y = cy + static_cast<float>(dy);
     const std::uint32_t hash = hash_cell(x, y, seed);
     if ((hash & 1U) != 0U || hash < top) continue;
     const Eigen::Vector2f to_center = p - Eigen::Vector2f(x + to_unit(hash), y + to_unit(hash << 12U));

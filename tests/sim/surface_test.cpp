@@ -90,7 +90,8 @@ TEST(Pattern, EveryPatternKeepsItsMeanWhenItBlurs) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     constexpr int kSide = 200;
     for (int i = 0; i < kSide * kSide; ++i) {
-      const Eigen::Vector3f p(0.0931F * static_cast<float>(i % kSide), 0.0871F * static_cast<float>(i / kSide), 0.3F);
+      const int row = i / kSide;
+      const Eigen::Vector3f p(0.0931F * static_cast<float>(i % kSide), 0.0871F * static_cast<float>(row), 0.3F);
       sum += compute_reflectance(material, {p, Eigen::Vector3f::UnitZ(), 1e-4F}, 3).cast<double>();
     }
     const Eigen::Vector3d mean = sum / (kSide * kSide);
