@@ -60,7 +60,7 @@ Walk make_walk(Site& site, bool looking_around, int seed) {
   walk.roll_deg = random.uniform(0.5, 1.5);
   walk.pitch_swing_deg = random.uniform(0.5, 1.5);
   walk.yaw_swing_deg = random.uniform(0.8, 2.0);
-  walk.look_yaw_deg = looking_around ? 55.0 : random.uniform(5.0, 14.0);
+  walk.look_yaw_deg = looking_around ? 45.0 : random.uniform(5.0, 14.0);
   walk.look_pitch_deg = looking_around ? 12.0 : random.uniform(2.0, 6.0);
   walk.look_period_s = looking_around ? 3.5 : random.uniform(4.0, 7.0);
   walk.seed = seed;

@@ -42,8 +42,8 @@ struct Mesh {
   std::vector<Eigen::Vector3f> vertices;   ///< m, world at time 0
   std::vector<Eigen::Vector3i> triangles;  ///< indices into vertices
   int material = 0;                        ///< index into Scene::materials
-  int obstacle = 0;                        ///< id of the negative obstacle whose inside this surface is; 0 = none
-  int body = -1;                           ///< index into Scene::bodies when it moves; -1 = it stands
+  int obstacle = 0;  ///< id of the negative obstacle whose inside this surface is; 0 = none, 255 = not labelled (formats.md)
+  int body = -1;     ///< index into Scene::bodies when it moves; -1 = it stands
 };
 
 /// A body that moves straight and evenly.
@@ -56,7 +56,7 @@ struct Instance {
   int id = 0;                            ///< 1..254, unique in the scene
   std::string type;                      ///< stairs_down, platform_edge, manhole, trench, pothole, lower_ground, curb
   double depth_m = 0.0;                  ///< of its deepest visible floor below the ground around it
-  std::vector<Eigen::Vector3d> opening;  ///< rim polygon on the ground's surface, world
+  std::vector<Eigen::Vector3d> opening;  ///< rim polygon on the ground's surface, world, counter-clockwise
 };
 
 struct Light {
@@ -74,7 +74,7 @@ struct Scene {
   std::vector<Instance> instances;
   Light light;
 
-  /// Checks every index, id and number. @throws std::invalid_argument naming the first thing at fault.
+  /// Checks every index, id, number and colour. @throws std::invalid_argument naming the first thing at fault.
   void validate() const;
 };
 

@@ -9,8 +9,23 @@ namespace brink::sim {
 namespace {
 
 constexpr double kPathClearance = 0.55;     // of solid things from the path, m
-constexpr double kSpare = 0.1;              // of path beyond what the walk needs, m
+constexpr double kSpare = 0.25;             // of path beyond what the walk needs, m
 constexpr double kOpeningClearance = 0.25;  // of anything from a rim, m
+
+/// Every corner cut into two: nobody turns on the spot without stopping.
+Line soften(const Line& line) {
+  constexpr double kCut = 0.7;  // m before and after a corner
+  Line softer{line.front()};
+  for (std::size_t i = 1; i + 1 < line.size(); ++i) {
+    const Eigen::Vector2d before = line[i - 1] - line[i];
+    const Eigen::Vector2d after = line[i + 1] - line[i];
+    const double cut = std::min({kCut, 0.4 * before.norm(), 0.4 * after.norm()});
+    softer.emplace_back(line[i] + cut * before.normalized());
+    softer.emplace_back(line[i] + cut * after.normalized());
+  }
+  softer.push_back(line.back());
+  return softer;
+}
 
 /// How much shorter a walk round a corner is than the corner: heads are turned over about a metre (HeadMotion rounds with a
 /// Gaussian of 0.4 m, which gives 0.23 m times 1 - cos of a small turn and 0.32 m of a full one).
@@ -87,11 +102,11 @@ int Site::add_instance(const std::string& type, double depth_m, const Polygon& r
 
 void Site::set_path(const Line& approach, const Line& way_back) {
   Line whole = approach;
-  while (walked_length(whole) < path_length() + kSpare) {
+  while (walked_length(soften(whole)) < path_length() + kSpare) {
     whole.insert(whole.begin(), way_back.begin(), way_back.end());
     whole.insert(whole.begin(), approach.begin(), approach.end());
   }
-  path = cut_to_end(whole, path_length() + kSpare);
+  path = cut_to_end(soften(whole), path_length() + kSpare);
 }
 
 Eigen::Vector2d Site::position_on_path(double time_s) const {

@@ -119,18 +119,18 @@ void add_flat(Site& site, const Eigen::AlignedBox2d& area) {
   if (kind == 7) add_flat_thing(site, rectangle(0.75 * radius, 0.6 * radius), pick_repair(random));
 }
 
-/// Whether somebody who walks straight on meets people at no time, and things neither some seconds before nor after a moment.
+/// Whether somebody who walks straight on never comes near people or openings, nor near things while in sight.
 bool is_way_clear(const Site& site, const Site::PasserBy& walker, double time_s) {
   constexpr double kStep = 0.1;
   constexpr double kInSight = 9.0;  // s
   for (double t = 0.0; t <= site.duration_s; t += kStep) {
     const Eigen::Vector2d p = walker.start + t * walker.velocity;
     const auto person_near = [&](const Site::PasserBy& other) { return (other.start + t * other.velocity - p).norm() < 0.9; };
-    if ((site.position_on_path(t) - p).norm() < 1.4 || std::ranges::any_of(site.passers_by, person_near)) return false;
-    if (std::abs(t - time_s) > kInSight) continue;
+    const auto opening_near = [&](const Polygon& opening) { return distance_to_polygon(opening, p) < 0.4; };
     const auto solid_near = [&](const Site::Spot& spot) { return spot.solid && (spot.center - p).norm() < spot.radius + 0.35; };
-    const auto opening_near = [&](const Polygon& opening) { return distance_to_polygon(opening, p) < 0.5; };
-    if (std::ranges::any_of(site.spots, solid_near) || std::ranges::any_of(site.openings, opening_near)) return false;
+    if ((site.position_on_path(t) - p).norm() < 1.4 || std::ranges::any_of(site.passers_by, person_near)) return false;
+    if (std::ranges::any_of(site.openings, opening_near)) return false;
+    if (std::abs(t - time_s) < kInSight && std::ranges::any_of(site.spots, solid_near)) return false;
   }
   return true;
 }
@@ -200,7 +200,7 @@ void add_passer_by(Site& site) {
     // Along the street or anyhow; where there are ramps, across, because bodies move evenly.
     const bool along = random.chance(0.5);
     const double side = random.sign();
-    const double free_yaw = along ? 0.5 * (1.0 + side) * kPi + random.uniform(-0.1, 0.1) : random.uniform(-kPi, kPi);
+    const double free_yaw = along ? 0.5 * (1.0 + side) * kPi + random.uniform(-0.03, 0.03) : random.uniform(-kPi, kPi);
     const double yaw = site.profile ? side * 0.5 * kPi : free_yaw;
     const Eigen::Vector2d velocity = random.uniform(0.8, 1.5) * Eigen::Vector2d(std::cos(yaw), std::sin(yaw));
     const Eigen::Vector2d aside(-ahead.y(), ahead.x());

@@ -68,16 +68,21 @@ void set_path_beside(Site& site, const Stairs& stairs, double side, double targe
   const double beside = side * (0.5 * stairs.width + site.random.uniform(0.8, 1.1));
   const double beyond = side * (0.5 * stairs.width + 2.6);
   const double start = stairs.length() + 5.0;
-  site.set_path({{start, beside}, {-1.3, beside}, {-3.0, 0.6 * beside}, {-2.9, target}, {-0.9, target}},
-                {{-2.3, 0.7 * beside}, {-3.2, beyond}, {start, beyond}, {start + 1.0, 0.5 * (beside + beyond)}});
+  site.set_path({{start, beside}, {-1.8, beside}, {-3.9, 0.8 * beside}, {-4.2, target}, {-0.9, target}},
+                {{-1.1, target + 1.1 * side},
+                 {-2.5, target + 1.3 * side},
+                 {-3.2, beyond},
+                 {start, beyond},
+                 {start + 1.0, 0.5 * (beside + beyond)}});
 }
 
 /// Across in front of the stairs, round, and down towards one flight.
 void set_path_across(Site& site, const Stairs& stairs, double side, double target) {
   const double start = side * (0.5 * stairs.width + 5.5);
   const double far = -side * 0.5 * stairs.width;
-  site.set_path({{-1.4, start}, {-1.5, far}, {-2.6, 1.3 * far}, {-3.6, target}, {-0.9, target}},
-                {{-2.0, target + 0.5 * side}, {-4.2, side * 2.0}, {-4.2, start}, {-2.8, start + side}});
+  site.set_path(
+      {{-1.4, start}, {-1.5, far}, {-3.2, 1.4 * far}, {-4.4, target}, {-0.9, target}},
+      {{-1.1, target + 1.1 * side}, {-2.5, target + 1.3 * side}, {-4.6, side * 2.6}, {-4.6, start}, {-2.8, start + side}});
 }
 
 }  // namespace
