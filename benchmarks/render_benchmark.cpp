@@ -25,18 +25,18 @@ void render(benchmark::State& state, double shutter_s) {
   brink::sim::RenderParams params;
   params.samples = static_cast<int>(state.range(0));
   params.shutter_s = shutter_s;
-  for (auto _ : state) benchmark::DoNotOptimize(renderer.render(camera, {kWidth, kHeight}, walk(), 0.5, 0, params, 1));
+  while (state.KeepRunning()) benchmark::DoNotOptimize(renderer.render(camera, {kWidth, kHeight}, walk(), 0.5, 0, params, 1));
 }
 
 void trace(benchmark::State& state) {
   brink::sim::Renderer renderer(brink::sim::test::make_street(1.2F));
   const brink::StereoCamera camera = brink::sim::test::make_camera(kWidth, kHeight, 700.0);
-  for (auto _ : state) benchmark::DoNotOptimize(renderer.trace(camera, {kWidth, kHeight}, walk()(0.0), 0.5));
+  while (state.KeepRunning()) benchmark::DoNotOptimize(renderer.trace(camera, {kWidth, kHeight}, walk()(0.0), 0.5));
 }
 
 void expose(benchmark::State& state) {
   const cv::Mat3f radiance(kHeight, kWidth, cv::Vec3f(0.2F, 0.2F, 0.2F));
-  for (auto _ : state) benchmark::DoNotOptimize(brink::sim::expose(radiance, 1.0, 1, {}, 1));
+  while (state.KeepRunning()) benchmark::DoNotOptimize(brink::sim::expose(radiance, 1.0, 1, {}, 1));
 }
 
 BENCHMARK_CAPTURE(render, sharp, 0.0)->Arg(1)->Arg(4)->Arg(9)->Unit(benchmark::kMillisecond)->UseRealTime();
