@@ -65,9 +65,10 @@ class SkyLight {
   void gather_row(int row);
   [[nodiscard]] Eigen::Vector3f smoothed(int column, int row) const;
   [[nodiscard]] float likeness(const Place& place, const Node& node) const;
-  [[nodiscard]] const Node& node(int column, int row) const {
-    return nodes_[static_cast<std::size_t>(row * columns_ + column)];
+  [[nodiscard]] std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
   }
+  [[nodiscard]] const Node& node(int column, int row) const { return nodes_[index(column, row)]; }
 
   const Tracer& tracer_;
   const Lighting& lighting_;

@@ -37,20 +37,25 @@ float visibility(float cell, float footprint) { return std::clamp(cell / footpri
 /// Quintic weight, twice differentiable: no creases at the cells' borders.
 float ease(float x) { return x * x * x * (x * (x * 6.0F - 15.0F) + 10.0F); }
 
+/// Without the call into the C library that std::floor is on a plain x86-64.
+int floor_of(float x) {
+  const int truncated = static_cast<int>(x);
+  return truncated - (x < static_cast<float>(truncated) ? 1 : 0);
+}
+
 /// Value noise on the integer lattice, mean 0, variance 1.
 float lattice_noise(const Eigen::Vector3f& p, std::uint32_t seed) {
   // The weights' mean square sum per axis is 181/231, the variance of uniform values in [-1, 1] is 1/3.
   constexpr float kToUnitVariance = 2.4973F;
-  const float fx = std::floor(p.x());
-  const float fy = std::floor(p.y());
-  const float fz = std::floor(p.z());
-  const auto coordinate = [](float f, std::uint32_t prime) { return static_cast<std::uint32_t>(static_cast<int>(f)) * prime; };
   constexpr std::uint32_t kX = 0x8da6b343U;
   constexpr std::uint32_t kY = 0xd8163841U;
   constexpr std::uint32_t kZ = 0xcb1ab31fU;
-  const std::uint32_t x = coordinate(fx, kX);
-  const std::uint32_t y = coordinate(fy, kY);
-  const std::uint32_t z = coordinate(fz, kZ);
+  const int ix = floor_of(p.x());
+  const int iy = floor_of(p.y());
+  const int iz = floor_of(p.z());
+  const std::uint32_t x = static_cast<std::uint32_t>(ix) * kX;
+  const std::uint32_t y = static_cast<std::uint32_t>(iy) * kY;
+  const std::uint32_t z = static_cast<std::uint32_t>(iz) * kZ;
   const auto corner = [&](std::uint32_t cx, std::uint32_t cy, std::uint32_t cz) {
     std::uint32_t h = cx ^ cy ^ cz ^ seed;
     h ^= h >> 15U;
@@ -58,9 +63,9 @@ float lattice_noise(const Eigen::Vector3f& p, std::uint32_t seed) {
     h ^= h >> 13U;
     return static_cast<float>(static_cast<std::int32_t>(h * 0x297a2d39U));
   };
-  const float wx = ease(p.x() - fx);
-  const float wy = ease(p.y() - fy);
-  const float wz = ease(p.z() - fz);
+  const float wx = ease(p.x() - static_cast<float>(ix));
+  const float wy = ease(p.y() - static_cast<float>(iy));
+  const float wz = ease(p.z() - static_cast<float>(iz));
   const auto along_x = [&](std::uint32_t cy, std::uint32_t cz) {
     const float a = corner(x, cy, cz);
     return a + wx * (corner(x + kX, cy, cz) - a);
@@ -114,7 +119,8 @@ float sum_octaves(const SurfacePoint& point, const Grain& grain, std::uint32_t s
 
 /// Share of a surface that spots of a size cover at a place, a third on average. Where the footprint is larger than a spot, the
 /// spots' density still varies: like sum_octaves, with half the contrast for each doubling of the cell.
-float cover_spots(const SurfacePoint& point, float spot, std::uint32_t seed) {
+/// @param raggedness moves the spots' edges in and out, standard deviations of the noise.
+float cover_spots(const SurfacePoint& point, float spot, float raggedness, std::uint32_t seed) {
   constexpr float kMeanCover = 0.33F;
   constexpr int kDoublings = 5;
   float cover = kMeanCover;
@@ -122,7 +128,8 @@ float cover_spots(const SurfacePoint& point, float spot, std::uint32_t seed) {
   for (int i = 0; i < kDoublings && share > 0.0F; ++i, spot *= 2.0F) {
     const float seen = visibility(spot, point.footprint);
     if (seen <= 0.0F) continue;
-    const float spots = smooth(0.5F * compute_noise(point.position, spot, seed + static_cast<std::uint32_t>(i)) + 0.28F);
+    const float noise = compute_noise(point.position, spot, seed + static_cast<std::uint32_t>(i)) + raggedness;
+    const float spots = smooth(0.5F * noise + 0.28F);
     cover += share * seen * (spots - kMeanCover) / static_cast<float>(1 << i);
     share *= 1.0F - seen;
   }
@@ -153,16 +160,18 @@ Stone find_stone(const Eigen::Vector2f& p, std::uint32_t seed) {
   float first = std::numeric_limits<float>::max();
   float second = first;
   Stone stone{0U, 0.0F};
-  for (float y = cy - 1.0F; y <= cy + 1.0F; ++y) {
-    for (float x = cx - 1.0F; x <= cx + 1.0F; ++x) {
-      const std::uint32_t hash = hash_cell(x, y, seed);
-      const float dx = x + to_unit(hash) - p.x();
-      const float dy = y + to_unit(hash << 12U) - p.y();
-      const float squared = dx * dx + dy * dy;
-      if (squared < first) stone.hash = hash;
-      second = std::min(second, std::max(first, squared));
-      first = std::min(first, squared);
-    }
+  for (int i = 0; i < 9; ++i) {
+    const int dx = i % 3 - 1;
+    const int dy = i / 3 - 1;
+    const float x = cx + static_cast<float>(dx);
+    const float y = cy + static_cast<float>(dy);
+    const std::uint32_t hash = hash_cell(x, y, seed);
+    const float off_x = x + to_unit(hash) - p.x();
+    const float off_y = y + to_unit(hash << 12U) - p.y();
+    const float squared = off_x * off_x + off_y * off_y;
+    if (squared < first) stone.hash = hash;
+    second = std::min(second, std::max(first, squared));
+    first = std::min(first, squared);
   }
   stone.gap = std::sqrt(second) - std::sqrt(first);
   return stone;
@@ -175,8 +184,8 @@ Shade shade_gravel(const SurfacePoint& point, float cell, std::uint32_t seed) {
   const float seen = visibility(cell, point.footprint);
   if (seen <= 0.0F) return {0.5F, surface};
   const Stone stone = find_stone(flatten(point) / cell, seed);
-  // 0.77 is the mean of smooth(gap / 0.3), so that the brightness keeps its mean where stones blur.
-  const float lit = 0.35F + 0.65F / 0.77F * smooth(stone.gap / 0.3F) + 0.5F * (to_unit(stone.hash * 0x9e3779b9U) - 0.5F);
+  // 0.66 is the mean of smooth(gap / 0.3), so that the brightness keeps its mean where stones blur.
+  const float lit = 0.35F + 0.65F / 0.66F * smooth(stone.gap / 0.3F) + 0.5F * (to_unit(stone.hash * 0x9e3779b9U) - 0.5F);
   return {0.5F + seen * (to_unit(stone.hash << 7U) - 0.5F), surface * (1.0F + seen * (lit - 1.0F))};
 }
 
@@ -191,20 +200,21 @@ Shade shade_leaves(const SurfacePoint& point, float cell, std::uint32_t seed) {
   const float cy = std::floor(p.y());
   float cover = 0.0F;
   std::uint32_t top = 0U;
-  for (float y = cy - 1.0F; y <= cy + 1.0F; ++y) {
-    for (float x = cx - 1.0F; x <= cx + 1.0F; ++x) {
-      const std::uint32_t hash = hash_cell(x, y, seed);
-      if ((hash & 1U) != 0U || hash < top) continue;
-      const Eigen::Vector2f to_center = p - Eigen::Vector2f(x + to_unit(hash), y + to_unit(hash << 12U));
-      const Eigen::Vector2f axis =
-          Eigen::Vector2f(to_unit(hash << 5U) - 0.5F, to_unit(hash << 17U) - 0.5F + 1e-3F).normalized();
-      const float along = to_center.dot(axis) / 0.55F;
-      const float across = (to_center.x() * axis.y() - to_center.y() * axis.x()) / 0.28F;
-      const float inside = smooth(4.0F * (1.0F - along * along - across * across));
-      if (inside <= 0.0F) continue;
-      cover = inside;
-      top = hash;
-    }
+  for (int i = 0; i < 9; ++i) {
+    const int dx = i % 3 - 1;
+    const int dy = i / 3 - 1;
+    const float x = cx + static_cast<float>(dx);
+    const float y = cy + static_cast<float>(dy);
+    const std::uint32_t hash = hash_cell(x, y, seed);
+    if ((hash & 1U) != 0U || hash < top) continue;
+    const Eigen::Vector2f to_center = p - Eigen::Vector2f(x + to_unit(hash), y + to_unit(hash << 12U));
+    const Eigen::Vector2f axis = Eigen::Vector2f(to_unit(hash << 5U) - 0.5F, to_unit(hash << 17U) - 0.5F + 1e-3F).normalized();
+    const float along = to_center.dot(axis) / 0.55F;
+    const float across = (to_center.x() * axis.y() - to_center.y() * axis.x()) / 0.28F;
+    const float inside = smooth(4.0F * (1.0F - along * along - across * across));
+    if (inside <= 0.0F) continue;
+    cover = inside;
+    top = hash;
   }
   shade.mix += seen * (cover - shade.mix);
   if (cover > 0.0F) shade.brightness *= 1.0F + seen * 0.7F * (to_unit(top * 0x9e3779b9U) - 0.5F);
@@ -252,15 +262,22 @@ Shade shade_tactile(const SurfacePoint& point, float slab, std::uint32_t seed) {
   return shade;
 }
 
-/// Grain everywhere, and second_color on a third of the surface: spots of the given size, stones or stains.
-Shade shade_spotted(const SurfacePoint& point, float spot, const Grain& grain, std::uint32_t seed) {
-  return {cover_spots(point, spot, seed ^ 0x5bd1e995U), 1.0F + sum_octaves(point, grain, seed)};
+/// Grain everywhere, and second_color on a third of the surface: stones of the given size.
+Shade shade_stones(const SurfacePoint& point, float stone, const Grain& grain, std::uint32_t seed) {
+  return {cover_spots(point, stone, 0.0F, seed ^ 0x5bd1e995U), 1.0F + sum_octaves(point, grain, seed)};
 }
 
-/// The same, long along x: brushed metal, blades of grass.
+/// The same with stains, the edges of which follow the grain: dirt sits in the dark hollows.
+Shade shade_stains(const SurfacePoint& point, float stain, const Grain& grain, std::uint32_t seed) {
+  constexpr float kRaggedness = 3.0F;
+  const float uneven = sum_octaves(point, grain, seed);
+  return {cover_spots(point, stain, -kRaggedness * uneven, seed ^ 0x5bd1e995U), 1.0F + uneven};
+}
+
+/// Stones and grain that are long along x: brushed metal, blades of grass.
 Shade shade_streaked(SurfacePoint point, float spot, float stretch, const Grain& grain, std::uint32_t seed) {
   point.position.x() /= stretch;
-  return shade_spotted(point, spot, grain, seed);
+  return shade_stones(point, spot, grain, seed);
 }
 
 Shade compute_shade(const Material& material, const SurfacePoint& point, std::uint32_t seed) {
@@ -269,15 +286,15 @@ Shade compute_shade(const Material& material, const SurfacePoint& point, std::ui
     case Pattern::plain:
       return {0.0F, 1.0F};
     case Pattern::asphalt:
-      return shade_spotted(point, 0.2F * cell, {0.25F * cell, 0.10F, 0.03F}, seed);
+      return shade_stones(point, 0.2F * cell, {0.25F * cell, 0.10F, 0.03F}, seed);
     case Pattern::concrete:
-      return shade_spotted(point, cell, {0.003F, 0.08F, 0.04F}, seed);
+      return shade_stains(point, cell, {0.003F, 0.08F, 0.04F}, seed);
     case Pattern::plaster:
-      return shade_spotted(point, cell, {0.002F, 0.05F, 0.025F}, seed);
+      return shade_stains(point, cell, {0.002F, 0.05F, 0.025F}, seed);
     case Pattern::rubber:
-      return shade_spotted(point, cell, {0.003F, 0.06F, 0.01F}, seed);
+      return shade_stains(point, cell, {0.003F, 0.06F, 0.01F}, seed);
     case Pattern::cloth:
-      return shade_spotted(point, cell, {0.003F, 0.08F, 0.08F}, seed);
+      return shade_stones(point, cell, {0.003F, 0.08F, 0.08F}, seed);
     case Pattern::metal:
       return shade_streaked(point, cell, 12.0F, {0.1F * cell, 0.06F, 0.03F}, seed);
     case Pattern::grass:

@@ -40,6 +40,7 @@ std::vector<float> make_order(int count, int base) {
     values.push_back(value);
   }
   std::vector<float> ranks;
+  ranks.reserve(values.size());
   for (const double value : values) {
     ranks.push_back(
         static_cast<float>(std::count_if(values.begin(), values.end(), [&](double other) { return other < value; })));
@@ -212,7 +213,8 @@ Eigen::Vector3f Painter::shade(const Sample& sample) const {
   return material.gloss > 0.0F ? add_gloss(sample, material, footprint, diffuse) : diffuse;
 }
 
-/// Mirrored light, more at grazing angles (Schlick 1994), on a slightly wavy surface; the sun as a lobe around its mirror
+/// Mirrored light, more at grazing angles (Schlick 1994), on a slightly wavy surface (plain ones are
+/// flat: glass); the sun as a lobe around its mirror
 /// image.
 Eigen::Vector3f Painter::add_gloss(const Sample& sample, const Material& material, float footprint,
                                    const Eigen::Vector3f& diffuse) const {
@@ -221,7 +223,7 @@ Eigen::Vector3f Painter::add_gloss(const Sample& sample, const Material& materia
   constexpr float kLobe = 129.0F;   // (n + 1) of the lobe cos^n with n = 128, about 7 degrees wide
   const Place& place = sample.place;
   Eigen::Vector3f normal = place.normal;
-  if (footprint < kWave) {
+  if (material.pattern != Pattern::plain && footprint < kWave) {
     const Eigen::Vector3f wave(compute_noise(place.body_position, kWave, 1U), compute_noise(place.body_position, kWave, 2U),
                                compute_noise(place.body_position, kWave, 3U));
     normal = (normal + kSlope * (1.0F - footprint / kWave) * wave).normalized();

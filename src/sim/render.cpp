@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -36,7 +37,7 @@ void RenderParams::validate() const {
 }
 
 struct Renderer::Model {
-  explicit Model(const Scene& source) : scene(source), tracer(scene), lighting(scene, tracer) {}
+  explicit Model(Scene source) : scene(std::move(source)), tracer(scene), lighting(scene, tracer) {}
   Scene scene;
   Tracer tracer;
   Lighting lighting;

@@ -31,7 +31,7 @@ const std::vector<std::uint8_t>& display_curve() {
   static const std::vector<std::uint8_t> curve = [] {
     std::vector<std::uint8_t> table(kCurveSteps);
     for (int i = 0; i < kCurveSteps; ++i) {
-      table[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::lround(255.0 * to_display(i / (kCurveSteps - 1.0))));
+      table[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::lround(255.0 * to_display((i + 0.5) / kCurveSteps)));
     }
     return table;
   }();
@@ -39,8 +39,8 @@ const std::vector<std::uint8_t>& display_curve() {
 }
 
 std::uint8_t to_grey(float light) {
-  constexpr float kLast = kCurveSteps - 1;
-  return display_curve()[static_cast<std::size_t>(std::clamp(light, 0.0F, 1.0F) * kLast + 0.5F)];
+  const auto step = static_cast<int>(std::clamp(light, 0.0F, 1.0F) * static_cast<float>(kCurveSteps));
+  return display_curve()[static_cast<std::size_t>(std::min(step, kCurveSteps - 1))];
 }
 
 /// Nearly normal, mean 0, variance 1: the sum of four uniform numbers, so never beyond 3.5.

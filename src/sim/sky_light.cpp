@@ -27,7 +27,7 @@ SkyLight::SkyLight(const Tracer& tracer, const Lighting& lighting, const View& v
   std::vector<Eigen::Vector3f> irradiance(nodes_.size());
   tbb::parallel_for(0, rows_, [&](int row) {
     for (int column = 0; column < columns_; ++column) {
-      irradiance[static_cast<std::size_t>(row * columns_ + column)] = smoothed(column, row);
+      irradiance[index(column, row)] = smoothed(column, row);
     }
   });
   for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i].irradiance = irradiance[i];
@@ -42,7 +42,7 @@ void SkyLight::gather_row(int row) {
     RTCRayHit ray = make_ray(view_.origin, direction, kMiddle);
     tracer_.intersect(ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
-    Node& node = nodes_[static_cast<std::size_t>(row * columns_ + column)];
+    Node& node = nodes_[index(column, row)];
     node.place = tracer_.locate(view_.origin, direction, ray.ray.tfar, kMiddle, {ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z},
                                 ray.hit.geomID, ray.hit.primID);
     node.hit = true;

@@ -43,7 +43,7 @@ RTCIntersectContext make_context(RTCIntersectContextFlags flags) {
 
 }  // namespace
 
-Tracer::Tracer(const Scene& scene) : scene_(scene), device_(rtcNewDevice(nullptr)), standing_(nullptr) {
+Tracer::Tracer(const Scene& scene) : scene_(scene), device_(rtcNewDevice(nullptr)) {
   if (device_ == nullptr) throw std::runtime_error("Embree does not start on this machine");
   standing_ = rtcNewScene(device_);
   rtcSetSceneFlags(standing_, RTC_SCENE_FLAG_ROBUST);  // no cracks between triangles

@@ -60,7 +60,7 @@ class Tracer {
 
   const Scene& scene_;
   RTCDevice device_;
-  RTCScene standing_;
+  RTCScene standing_ = nullptr;
   RTCScene moving_ = nullptr;  ///< null when nothing moves
   double start_ = 0.0;
   double end_ = 0.0;

@@ -37,11 +37,13 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
 
   /// One eye's picture, linear BGR radiance, anti-aliased.
+  /// @param time s; with blur the middle of the shutter.
   /// @param eye 0 left, 1 right: baseline metres along the camera's x axis. @param seed of the sample pattern.
+  /// @throws std::invalid_argument when camera, size, time, eye or parameters are not valid.
   [[nodiscard]] cv::Mat3f render(const StereoCamera& camera, const cv::Size& size, const CameraMotion& world_from_camera,
                                  double time, int eye, const RenderParams& params, unsigned seed);
 
-  /// Exact truth at the pixel centres at one moment.
+  /// Exact truth at the pixel centres at one moment. @throws std::invalid_argument when camera, size or time are not valid.
   [[nodiscard]] Truth trace(const StereoCamera& camera, const cv::Size& size, const Eigen::Isometry3d& world_from_camera,
                             double time);
 
@@ -69,10 +71,12 @@ struct SensorParams {
 
 /// Linear radiance to an 8-bit picture: exposure, vignetting, noise, display curve, optional JPEG artefacts and
 /// mis-rectification.
-/// @param gain radiance 1 becomes this much light; the same for both eyes of a frame (automatic exposure is the caller's).
+/// @param gain radiance 1 becomes this much light, where 1 is full scale; the same for both eyes of a frame (automatic exposure
+///        is the caller's). Beyond 10 the sensor amplifies and gets noisier.
+/// @return size of radiance; empty when that is. @throws std::invalid_argument when gain, eye or parameters are not valid.
 cv::Mat3b expose(const cv::Mat3f& radiance, double gain, int eye, const SensorParams& params, unsigned seed);
 
-/// The gain that puts the mean grey of a picture at 110 of 255.
+/// The gain that puts the mean grey of a picture at 110 of 255, within 1e-4..1e4; 1 for an empty picture.
 double compute_auto_gain(const cv::Mat3f& radiance);
 
 }  // namespace brink::sim
