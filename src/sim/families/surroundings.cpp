@@ -37,16 +37,18 @@ void add_windows(Site& site, const Facade& facade, double width, double height) 
   const int columns = static_cast<int>((width - 0.6) / pitch);
   const double margin = 0.5 * (width - (columns - 1) * pitch - size);
   const int door = random.integer(0, std::max(0, columns - 1));
-  double sill = random.uniform(0.6, 1.1), floor = 0.0;
+  double sill = random.uniform(0.6, 1.1);
+  bool on_street = true;  // where the door is
   while (sill + 1.8 < height) {
     for (int i = 0; i < columns; ++i) {
       const double s = margin + i * pitch;
-      const bool is_door = floor == 0.0 && i == door;
+      const bool is_door = on_street && i == door;
       const double bottom = is_door ? 0.0 : sill;
       site.add(facade.pane(s - 0.07, size + 0.14, bottom - 0.07, sill + 1.47, 0.02), frame);
       site.add(facade.pane(s, size, bottom, sill + 1.4, 0.03), glass);
     }
-    sill += 2.9, floor += 1.0;
+    sill += 2.9;
+    on_street = false;
   }
 }
 
