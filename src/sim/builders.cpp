@@ -1,6 +1,7 @@
 #include "sim/builders.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 

@@ -34,6 +34,7 @@ const Recipe& find_recipe(const std::string& name) {
       std::ranges::find(kRecipes, name, [](const Recipe& recipe) { return std::string(recipe.family.name); });
   if (found != kRecipes.end()) return *found;
   std::vector<std::string> names;
+  names.reserve(kRecipes.size());
   for (const Recipe& recipe : kRecipes) names.emplace_back(recipe.family.name);
   throw std::invalid_argument(fmt::format("family = {}, must be {}", name, fmt::join(names, ", ")));
 }
@@ -101,6 +102,7 @@ void settle(Site& site) {
 const std::vector<Family>& families() {
   static const std::vector<Family> all = [] {
     std::vector<Family> list;
+    list.reserve(kRecipes.size());
     for (const Recipe& recipe : kRecipes) list.push_back(recipe.family);
     return list;
   }();

@@ -33,7 +33,11 @@ void add_kerb_up(Site& site, const Eigen::AlignedBox2d& area, double side) {
   const double kerb = side > 0.0 ? area.max().y() : area.min().y();
   const double wall = kerb + side * 2.5;
   Line line;
-  for (double x = area.min().x(); x < area.max().x() + 0.5 * kCellX; x += kCellX) line.emplace_back(x, kerb);
+  double x = area.min().x();
+  while (x < area.max().x() + 0.5 * kCellX) {
+    line.emplace_back(x, kerb);
+    x += kCellX;
+  }
   site.add(make_wall(line, false, -0.2, height), site.add_material(materials::varied(materials::concrete(), site.random)));
   const Eigen::Vector2d low(area.min().x(), std::min(kerb, wall));
   const Eigen::Vector2d high(line.back().x(), std::max(kerb, wall));

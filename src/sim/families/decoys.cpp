@@ -123,7 +123,8 @@ void add_flat(Site& site, const Eigen::AlignedBox2d& area) {
 bool is_way_clear(const Site& site, const Site::PasserBy& walker, double time_s) {
   constexpr double kStep = 0.1;
   constexpr double kInSight = 9.0;  // s
-  for (double t = 0.0; t <= site.duration_s; t += kStep) {
+  double t = 0.0;
+  while (t <= site.duration_s) {
     const Eigen::Vector2d p = walker.start + t * walker.velocity;
     const auto person_near = [&](const Site::PasserBy& other) { return (other.start + t * other.velocity - p).norm() < 0.9; };
     const auto opening_near = [&](const Polygon& opening) { return distance_to_polygon(opening, p) < 0.4; };
@@ -131,6 +132,7 @@ bool is_way_clear(const Site& site, const Site::PasserBy& walker, double time_s)
     if ((site.position_on_path(t) - p).norm() < 1.4 || std::ranges::any_of(site.passers_by, person_near)) return false;
     if (std::ranges::any_of(site.openings, opening_near)) return false;
     if (std::abs(t - time_s) < kInSight && std::ranges::any_of(site.spots, solid_near)) return false;
+    t += kStep;
   }
   return true;
 }

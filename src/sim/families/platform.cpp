@@ -22,8 +22,10 @@ void add_track(Site& site, const Bed& bed, double middle, int id) {
       site.add_material(materials::varied(site.random.chance(0.5) ? materials::concrete() : materials::wood(), site.random));
   const int iron = site.add_material(materials::varied(materials::iron(), site.random));
   Mesh sleepers;
-  for (double x = bed.begin + 0.3; x < bed.end - 0.3; x += 0.65) {
+  double x = bed.begin + 0.3;
+  while (x < bed.end - 0.3) {
     append(sleepers, make_box({x, middle - 1.25, -bed.depth - 0.05}, {x + 0.25, middle + 1.25, -bed.depth + 0.06}));
+    x += 0.65;
   }
   site.add(std::move(sleepers), sleeper, id);
   Mesh rails;
@@ -57,9 +59,11 @@ void add_canopy(Site& site, const Bed& bed) {
   const int steel = site.add_material(materials::varied(materials::painted_steel(), random));
   const double height = random.uniform(3.0, 3.8);
   const double first = random.uniform(0.0, 5.0);
-  for (double x = bed.begin + first; x < bed.end; x += 5.0) {
+  double x = bed.begin + first;
+  while (x < bed.end) {
     site.add(make_post({x, -4.4, -0.1}, 0.11, height + 0.1), steel);
     site.take({x, -4.4}, 0.15, true);
+    x += 5.0;
   }
   const double reach = random.uniform(-2.5, -1.0);
   const double from = std::lerp(bed.begin, bed.end, random.uniform(0.0, 0.3));
@@ -74,13 +78,18 @@ void add_far_side(Site& site, const Bed& bed) {
     const double height = site.random.uniform(1.2, 3.0);
     site.add(make_box({bed.begin, bed.width, -0.05}, {bed.end, bed.width + 0.3, height}), wall);
     add_hedge(site, {bed.end, bed.width + 1.0}, {bed.begin, bed.width + 1.0});
-    for (double x = bed.begin + 2.0; x < bed.end; x += site.random.uniform(3.0, 6.0)) add_tree(site, {x, bed.width + 2.0});
+    double x = bed.begin + 2.0;
+    while (x < bed.end) {
+      add_tree(site, {x, bed.width + 2.0});
+      x += site.random.uniform(3.0, 6.0);
+    }
     return;
   }
   const int ground = add_pavement_material(site);
   const double back = bed.width + 4.0;
   site.add(make_sheet({Eigen::Vector2d(bed.begin, bed.width), Eigen::Vector2d(bed.end, back)}, {2.0, 2.0}, {}, {}), ground);
-  for (double x = bed.begin + 3.0; x < bed.end; x += site.random.uniform(4.0, 9.0)) {
+  double x = bed.begin + 3.0;
+  while (x < bed.end) {
     const Eigen::Vector2d place(x, bed.width + site.random.uniform(1.5, 3.0));
     if (site.random.chance(0.4))
       add_bench(site, place, 0.0);
@@ -88,6 +97,7 @@ void add_far_side(Site& site, const Bed& bed) {
       add_lamp_post(site, place);
     else
       add_person(site, place, site.random.uniform(0.0, 6.0), -1);
+    x += site.random.uniform(4.0, 9.0);
   }
   add_house_row(site, {bed.end, back}, {bed.begin, back});
 }

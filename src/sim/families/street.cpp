@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include "sim/families/common.hpp"
 #include "sim/families/decoys.hpp"
@@ -78,8 +79,7 @@ Hazard add_pothole(Site& site, double x, bool past_by_houses) {
 
 Hazard add_trench(Site& site, double x) {
   Random& random = site.random;
-  const Hazard hazard{
-      .center = {x, -1.45}, .half_size = {random.uniform(0.2, 0.35), random.uniform(0.6, 0.75)}, .aside_y = -2.95};
+  Hazard hazard{.center = {x, -1.45}, .half_size = {random.uniform(0.2, 0.35), random.uniform(0.6, 0.75)}, .aside_y = -2.95};
   const double depth = random.uniform(0.35, 0.9);
   const Polygon rim = make_rectangle(hazard.center - hazard.half_size, hazard.center + hazard.half_size);
   const int id = site.add_instance("trench", depth, rim);
@@ -118,6 +118,7 @@ void build_street(Site& site) {
   const double spacing = std::clamp(site.path_length() / 4.5, 3.2, 5.0);
   const int trench = random.integer(0, 2);
   std::vector<Hazard> hazards;
+  hazards.reserve(3);
   for (int i = 0; i < 3; ++i)
     hazards.push_back(i == trench ? add_trench(site, i * spacing) : add_pothole(site, i * spacing, i == 2));
   add_cellar_stairs(site, random.uniform(-0.5, 1.5 * spacing));

@@ -37,14 +37,18 @@ void add_windows(Site& site, const Facade& facade, double width, double height) 
   const int columns = static_cast<int>((width - 0.6) / pitch);
   const double margin = 0.5 * (width - (columns - 1) * pitch - size);
   const int door = random.integer(0, std::max(0, columns - 1));
-  for (double sill = random.uniform(0.6, 1.1), floor = 0.0; sill + 1.8 < height; sill += 2.9, floor += 1.0) {
+  double sill = random.uniform(0.6, 1.1);
+  bool on_street = true;  // where the door is
+  while (sill + 1.8 < height) {
     for (int i = 0; i < columns; ++i) {
       const double s = margin + i * pitch;
-      const bool is_door = floor == 0.0 && i == door;
+      const bool is_door = on_street && i == door;
       const double bottom = is_door ? 0.0 : sill;
       site.add(facade.pane(s - 0.07, size + 0.14, bottom - 0.07, sill + 1.47, 0.02), frame);
       site.add(facade.pane(s, size, bottom, sill + 1.4, 0.03), glass);
     }
+    sill += 2.9;
+    on_street = false;
   }
 }
 
@@ -96,9 +100,11 @@ void add_hedge(Site& site, const Eigen::Vector2d& from, const Eigen::Vector2d& t
   const Facade face{.origin = from, .along = along, .out = out};
   site.add(face.pane(0.0, length, -kFoundation, height, -0.3), green);
   Mesh leaves;
-  for (double s = 0.5; s < length; s += 1.0) {
+  double s = 0.5;
+  while (s < length) {
     const Eigen::Vector2d p = from + s * along - 0.25 * out;
     append(leaves, make_leaves(site.random, {p.x(), p.y(), 0.5 * height}, {0.7, 0.3, 0.55 * height}, 60, 0.13));
+    s += 1.0;
   }
   site.add(std::move(leaves), green);
 }
@@ -126,17 +132,19 @@ void add_surroundings(Site& site, const Eigen::AlignedBox2d& area) {
     add_hedge(site, from, to);
     const Eigen::Vector2d step = (to - from).normalized();
     const Eigen::Vector2d out(-step.y(), step.x());
-    for (double s = site.random.uniform(1.0, 3.0); s < (to - from).norm(); s += site.random.uniform(3.0, 5.5)) {
+    double s = site.random.uniform(1.0, 3.0);
+    while (s < (to - from).norm()) {
       add_tree(site, from + s * step - out);
+      s += site.random.uniform(3.0, 5.5);
     }
   }
 }
 
 void add_ground_around(Site& site, const Eigen::AlignedBox2d& outer, const Eigen::AlignedBox2d& inner, int material) {
-  const Eigen::Vector2d low = outer.min();
-  const Eigen::Vector2d high = outer.max();
-  const Eigen::Vector2d in_low = inner.min();
-  const Eigen::Vector2d in_high = inner.max();
+  const Eigen::Vector2d& low = outer.min();
+  const Eigen::Vector2d& high = outer.max();
+  const Eigen::Vector2d& in_low = inner.min();
+  const Eigen::Vector2d& in_high = inner.max();
   const std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> strips{{low, {high.x(), in_low.y()}},
                                                                         {{low.x(), in_high.y()}, high},
                                                                         {{low.x(), in_low.y()}, {in_low.x(), in_high.y()}},
