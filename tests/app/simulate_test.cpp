@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -191,7 +192,7 @@ TEST(Simulate, ResumesOnlyWhatWasBegunWithTheSameParameters) {
   const std::string out = kSmall + (" --out " + folder / "walk");
   ASSERT_EQ(run_command("simulate control --frames 2" + out).exit_code, 0);
   expect_refusal("control --frames 3 --resume" + out, 1,
-                 "walk: cannot be resumed, it was made with \"frames: 2\", not \"frames: 3\"");
+                 R"(walk: cannot be resumed, it was made with "frames: 2", not "frames: 3")");
   std::filesystem::rename(folder / "walk", folder / "walk.part");
   expect_refusal("control --frames 2 --seed 2 --resume" + out, 1, "walk.part: cannot be resumed, it was made with \"seed: 1\"");
   expect_refusal("control --frames 2" + out, 1, "walk.part: is left of an interrupted run; --resume goes on");
@@ -256,8 +257,8 @@ TEST(Simulate, ListsTheFamiliesWithTheirMeaning) {
   const auto lines = lines_of(result.output);
   ASSERT_EQ(lines.size(), 6U);
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const char* names[] = {"stairs", "platform", "manholes", "street", "control", "motion"};
-    EXPECT_TRUE(lines[i].starts_with(std::string(names[i]) + ": ")) << lines[i];
+    const std::array<const char*, 6> names{"stairs", "platform", "manholes", "street", "control", "motion"};
+    EXPECT_TRUE(lines[i].starts_with(std::string(names.at(i)) + ": ")) << lines[i];
     EXPECT_GT(lines[i].size(), 25U) << lines[i];
   }
 }
