@@ -5,27 +5,35 @@
 namespace brink::sim::materials {
 namespace {
 
-Material make(Pattern pattern, Eigen::Vector3f color, Eigen::Vector3f second, float cell_m, float contrast, float gloss) {
+Material make(Pattern pattern, Eigen::Vector3f color, Eigen::Vector3f second, float cell_m, float contrast, float gloss,
+              float relief_m = 0.0F) {
   return {.pattern = pattern,
           .color = std::move(color),
           .second_color = std::move(second),
           .cell_m = cell_m,
           .contrast = contrast,
-          .gloss = gloss};
+          .gloss = gloss,
+          .relief_m = relief_m};
 }
 
 }  // namespace
 
-Material asphalt() { return make(Pattern::asphalt, {0.10F, 0.10F, 0.105F}, {0.26F, 0.25F, 0.24F}, 0.012F, 1.0F, 0.0F); }
-Material wet_asphalt() { return make(Pattern::asphalt, {0.035F, 0.036F, 0.04F}, {0.08F, 0.08F, 0.08F}, 0.012F, 0.7F, 0.05F); }
-Material oil() { return make(Pattern::asphalt, {0.012F, 0.011F, 0.012F}, {0.03F, 0.03F, 0.03F}, 0.012F, 0.4F, 0.04F); }
-Material concrete() { return make(Pattern::concrete, {0.32F, 0.31F, 0.29F}, {0.20F, 0.19F, 0.18F}, 0.25F, 0.8F, 0.0F); }
-Material paving() { return make(Pattern::tiles, {0.34F, 0.33F, 0.31F}, {0.12F, 0.11F, 0.10F}, 0.40F, 1.0F, 0.0F); }
-Material cobbles() { return make(Pattern::tiles, {0.24F, 0.22F, 0.21F}, {0.07F, 0.06F, 0.05F}, 0.11F, 1.0F, 0.0F); }
+Material asphalt() {
+  return make(Pattern::asphalt, {0.10F, 0.10F, 0.105F}, {0.26F, 0.25F, 0.24F}, 0.012F, 1.0F, 0.0F, 0.0012F);
+}
+Material wet_asphalt() {
+  return make(Pattern::asphalt, {0.035F, 0.036F, 0.04F}, {0.08F, 0.08F, 0.08F}, 0.012F, 0.7F, 0.05F, 0.0012F);
+}
+Material oil() { return make(Pattern::asphalt, {0.012F, 0.011F, 0.012F}, {0.03F, 0.03F, 0.03F}, 0.012F, 0.4F, 0.04F, 0.0012F); }
+Material concrete() {
+  return make(Pattern::concrete, {0.32F, 0.31F, 0.29F}, {0.20F, 0.19F, 0.18F}, 0.25F, 0.8F, 0.0F, 0.0004F);
+}
+Material paving() { return make(Pattern::tiles, {0.34F, 0.33F, 0.31F}, {0.12F, 0.11F, 0.10F}, 0.40F, 1.0F, 0.0F, 0.0006F); }
+Material cobbles() { return make(Pattern::tiles, {0.24F, 0.22F, 0.21F}, {0.07F, 0.06F, 0.05F}, 0.11F, 1.0F, 0.0F, 0.003F); }
 Material soot() { return make(Pattern::concrete, {0.045F, 0.043F, 0.04F}, {0.025F, 0.024F, 0.022F}, 0.25F, 0.8F, 0.0F); }
-Material gravel() { return make(Pattern::gravel, {0.36F, 0.33F, 0.29F}, {0.13F, 0.12F, 0.10F}, 0.025F, 1.0F, 0.0F); }
-Material soil() { return make(Pattern::gravel, {0.17F, 0.12F, 0.08F}, {0.08F, 0.055F, 0.035F}, 0.035F, 0.9F, 0.0F); }
-Material grass() { return make(Pattern::grass, {0.09F, 0.17F, 0.045F}, {0.035F, 0.07F, 0.02F}, 0.02F, 1.0F, 0.0F); }
+Material gravel() { return make(Pattern::gravel, {0.36F, 0.33F, 0.29F}, {0.13F, 0.12F, 0.10F}, 0.025F, 1.0F, 0.0F, 0.004F); }
+Material soil() { return make(Pattern::gravel, {0.17F, 0.12F, 0.08F}, {0.08F, 0.055F, 0.035F}, 0.035F, 0.9F, 0.0F, 0.004F); }
+Material grass() { return make(Pattern::grass, {0.09F, 0.17F, 0.045F}, {0.035F, 0.07F, 0.02F}, 0.02F, 1.0F, 0.0F, 0.006F); }
 Material leaves() { return make(Pattern::leaves, {0.07F, 0.15F, 0.035F}, {0.025F, 0.06F, 0.015F}, 0.08F, 1.0F, 0.0F); }
 Material bark() { return make(Pattern::plaster, {0.14F, 0.10F, 0.07F}, {0.06F, 0.045F, 0.03F}, 0.03F, 1.0F, 0.0F); }
 Material iron() { return make(Pattern::metal, {0.12F, 0.105F, 0.095F}, {0.05F, 0.042F, 0.038F}, 0.05F, 1.0F, 0.06F); }

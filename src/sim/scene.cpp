@@ -28,6 +28,8 @@ void validate_material(const Material& material, std::size_t index) {
           fmt::format("materials[{}].contrast = {}, must be 0..1", index, material.contrast));
   require(material.gloss >= 0.0F && material.gloss <= 1.0F,
           fmt::format("materials[{}].gloss = {}, must be 0..1", index, material.gloss));
+  require(material.relief_m >= 0.0F && material.relief_m <= 0.1F,
+          fmt::format("materials[{}].relief_m = {}, must be 0..0.1", index, material.relief_m));
 }
 
 void validate_mesh(const Scene& scene, const std::array<bool, 256>& known, std::size_t index) {

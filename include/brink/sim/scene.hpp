@@ -35,6 +35,7 @@ struct Material {
   float cell_m = 0.1F;                             ///< size of the coarsest feature
   float contrast = 1.0F;                           ///< 0 = uniform color, 1 = the pattern's own
   float gloss = 0.0F;                              ///< share of mirrored light, 0..1: wet, oily, metal, glass
+  float relief_m = 0.0F;                           ///< height of stones and dents, standard deviation; seen in the pattern only
 };
 
 /// A triangle mesh. Triangles may be seen from both sides.
