@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -148,10 +149,10 @@ PictureFigures measure_picture(const GroundView& view) {
 GroundView real_view(const std::string& folder, const char* name, int hidden_columns) {
   GroundView view{name, open_sequence(folder).read(0).frame, {}};
   view.ground = cv::Mat1b(view.frame.left.size(), uchar{255});
-  const cv::Mat1b hole = cv::imread(folder + "/negative/000000.png", cv::IMREAD_GRAYSCALE);
-  if (!hole.empty()) {
+  const std::string holes = folder + "/negative/000000.png";
+  if (std::filesystem::exists(holes)) {
     cv::Mat1b near_hole;
-    cv::dilate(hole, near_hole, cv::Mat1b::ones(41, 41));
+    cv::dilate(cv::imread(holes, cv::IMREAD_GRAYSCALE), near_hole, cv::Mat1b::ones(41, 41));
     view.ground.setTo(0, near_hole);
   }
   view.ground.colRange(0, hidden_columns).setTo(0);
