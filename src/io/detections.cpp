@@ -44,8 +44,8 @@ Json ground(const GroundEstimate& estimate) {
 // Type 2 is only inferred: nothing of the hole itself was measured.
 const char* evidence(CandidateType type) { return type == CandidateType::below_ground ? "observed" : "inferred"; }
 
-/// The pixels at which a closed chain of neighbouring pixels changes direction: filled, they are the same region in a fraction of
-/// the text.
+/// The pixels at which a closed chain of neighbouring pixels changes direction: filled, they are the same region in a fraction
+/// of the text.
 Json contour_corners(const std::vector<cv::Point>& chain) {
   Json corners = Json::array();
   for (std::size_t i = 0; i < chain.size(); ++i) {
