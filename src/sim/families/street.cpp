@@ -41,7 +41,9 @@ void add_road(Site& site, const Extent& extent) {
   add_shaft(site, {{extent.begin, kRoadWidth}, {extent.end, kRoadWidth}}, false, drop, stone, kNotLabelled);
   site.add(make_strip(extent, -0.15, 0.0, 0.0), stone);
   const int paint = site.add_material(materials::varied(materials::white_paint(), site.random));
-  for (double x = extent.begin + 1.0; x + 2.0 < extent.end; x += 5.0) {
+  const int dashes = static_cast<int>((extent.end - extent.begin - 3.0) / 5.0) + 1;
+  for (int dash = 0; dash < dashes; ++dash) {
+    const double x = extent.begin + 1.0 + 5.0 * dash;
     site.add(make_strip({x, x + 2.0}, kCurbInside + 0.05, kCurbInside + 0.17, 0.002 - drop), paint, kNotLabelled);
   }
 }

@@ -83,7 +83,8 @@ void add_house(Site& site, const Facade& facade, double width) {
 void add_house_row(Site& site, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   const double length = (to - from).norm();
   const Eigen::Vector2d along = (to - from) / length;
-  for (double s = 0.0; s < length;) {
+  double s = 0.0;
+  while (s < length) {
     double width = std::min(site.random.uniform(5.0, 9.0), length - s);
     if (length - s - width < 3.0) width = length - s;
     add_house(site, {.origin = from + s * along, .along = along, .out = {-along.y(), along.x()}}, width);
