@@ -36,10 +36,10 @@ int list_families() {
 std::string recipe(const sim::SimulationParams& params, int jpeg_quality) {
   return fmt::format(
       "brink: {}\nfamily: {}\nseed: {}\nframes: {}\nwidth: {}\nheight: {}\nfocal_px: {}\nbaseline_m: {}\nfps: {}\n"
-      "light: {}\nnoise: {}\nblur: {}\njpeg_quality: {}\nvertical_offset_px: {}\ndropped: {}\n",
+      "light: {}\nnoise: {}\nblur: {}\njpeg_quality: {}\nvertical_offset_px: {}\nrotation_deg: {}\ndropped: {}\n",
       BRINK_VERSION, params.family, params.seed, params.frames, params.width, params.height, params.focal_px, params.baseline_m,
       params.fps, params.light.empty() ? "by the seed" : params.light, params.noise, params.blur, jpeg_quality,
-      params.vertical_offset_px, params.dropped);
+      params.vertical_offset_px, params.rotation_deg, params.dropped);
 }
 
 Existing existing(const SimulateOptions& options) {
@@ -131,6 +131,7 @@ Run add_simulate(CLI::App& command) {
       ->type_name("Q")
       ->check(CLI::Range(1, 100).description(""));
   add("--vertical-offset", params.vertical_offset_px, "PX", "Shift the right picture down: a camera badly rectified");
+  add("--rotation", params.rotation_deg, "DEG", "Turn the right picture about its centre: a camera badly rectified");
   add("--dropped", params.dropped, "SHARE", "Share of the frames without pictures, 0 to 0.9");
   add_threads_option(command, options->threads);
   CLI::Option* force = command.add_flag("--force", options->force, "Replace a simulated sequence that is there already");

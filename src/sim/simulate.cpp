@@ -57,7 +57,8 @@ void SimulationParams::validate() const {
   require_within("fps", fps, 0.1, 1000.0);
   require(frames / fps <= kLongest, "frames / fps", frames / fps, fmt::format("at most {} s", kLongest));
   require_within("noise", noise, 0.0, 100.0);
-  require_within("vertical_offset_px", vertical_offset_px, -100.0, 100.0);
+  require_within("vertical_offset_px", vertical_offset_px, -20.0, 20.0);
+  require_within("rotation_deg", rotation_deg, -5.0, 5.0);
   require_within("dropped", dropped, 0.0, 0.9);
   if (!light.empty() && light != "sunny" && light != "overcast" && light != "dusk") {
     throw std::invalid_argument(fmt::format("light = {}, must be sunny, overcast or dusk", light));
@@ -85,6 +86,7 @@ class Simulator::Walker {
     SensorParams sensor;
     sensor.noise = params.noise;
     sensor.vertical_offset_px = params.vertical_offset_px;
+    sensor.rotation_deg = params.rotation_deg;
     const cv::Size size(params.width, params.height);
     const cv::Mat3f radiance = renderer.render(camera, size, motion, time(frame), eye, render, seed_of(frame));
     return expose(radiance, gain(frame), eye, sensor, seed_of(frame));

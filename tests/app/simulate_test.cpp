@@ -107,6 +107,20 @@ TEST(Simulate, ThePosesStartAtTheFirstLeftCameraAndTheImuCoversThem) {
   EXPECT_TRUE(imu[201].starts_with("1.000000,"));
 }
 
+TEST(Simulate, MisRectificationMovesTheRightPictureOnly) {
+  const TemporaryFolder folder;
+  const std::string walk = std::string("simulate motion --frames 1") + kSmall + " --out ";
+  ASSERT_EQ(run_command(walk + folder / "good").exit_code, 0);
+  const auto good = contents(folder / "good");
+  for (const std::string option : {"--rotation 2", "--vertical-offset 3"}) {
+    ASSERT_EQ(run_command(walk + folder / "bad" + " --force " + option).exit_code, 0) << option;
+    const auto bad = contents(folder / "bad");
+    EXPECT_TRUE(bad.at("image_2/000000.png") == good.at("image_2/000000.png")) << option;
+    EXPECT_TRUE(bad.at("disparity/000000.png") == good.at("disparity/000000.png")) << option;
+    EXPECT_FALSE(bad.at("image_3/000000.png") == good.at("image_3/000000.png")) << option;
+  }
+}
+
 TEST(Simulate, NamesEveryObstacleThatIsMarkedInThePictures) {
   const TemporaryFolder folder;
   ASSERT_EQ(run_command("simulate stairs --frames 20 --fps 2" + (kSmall + (" --out " + folder / "walk"))).exit_code, 0);

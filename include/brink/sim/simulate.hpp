@@ -82,6 +82,7 @@ struct SimulationParams {
   double noise = 1.0;               ///< factor on the sensor's noise
   bool blur = false;                ///< motion blur
   double vertical_offset_px = 0.0;  ///< mis-rectification of the right picture
+  double rotation_deg = 0.0;        ///< mis-rectification of the right picture, about its centre
   double dropped = 0.0;             ///< share of frames whose pictures are missing; not the first, not the last
   void validate() const;            ///< @throws std::invalid_argument "name = value, must be ..."
 };
