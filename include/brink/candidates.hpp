@@ -39,7 +39,7 @@ struct CandidateParams {
 
 /// The rule that a region failed, with its value and its limit. All in the unit that the rule's parameter has.
 struct Rejection {
-  std::string rule;  ///< "area", "touches_ground", "touches_valid", "black", "range", "contour"
+  std::string rule;  ///< "area", "touches_valid", "touches_ground", "slope", "black", "contour"
   double value = 0.0;
   double limit = 0.0;
 };
