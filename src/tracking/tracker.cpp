@@ -1,0 +1,105 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "brink/tracking.hpp"
+
+namespace brink {
+namespace {
+
+constexpr std::size_t kRememberedSteps = 15;  // enough for a median that single late frames do not move
+
+/// A candidate of this frame going on with a track of the last one.
+struct Link {
+  std::size_t track = 0;
+  double distance_m = 0.0;
+};
+
+// The nearest centroid within the radius; of equally near ones the first.
+std::optional<Link> find_nearest(const Eigen::Vector3d& centroid, const std::vector<Eigen::Vector3d>& moved, double radius_m) {
+  std::optional<Link> nearest;
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    const double distance = (centroid - moved[i]).norm();
+    if (distance <= radius_m && (!nearest || distance < nearest->distance_m)) nearest = Link{i, distance};
+  }
+  return nearest;
+}
+
+// For each track the candidate that keeps its id: the nearest of those that go on with it.
+std::map<std::size_t, std::size_t> find_heirs(const std::vector<std::optional<Link>>& links) {
+  std::map<std::size_t, std::size_t> heirs;
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    if (!links[i]) continue;
+    const auto [known, is_first] = heirs.emplace(links[i]->track, i);
+    if (!is_first && links[i]->distance_m < links[known->second]->distance_m) known->second = i;
+  }
+  return heirs;
+}
+
+}  // namespace
+
+void TrackingParams::validate() const {
+  const auto check = [](const char* name, double value, double least, double most) {
+    if (value >= least && value <= most) return;
+    throw std::invalid_argument(fmt::format("tracking.{} = {}, must be {} to {}", name, value, least, most));
+  };
+  check("association_radius_m", association_radius_m, 0.0, 100.0);
+  check("validation_s", validation_s, 0.0, 60.0);
+  check("min_sightings", min_sightings, 1, 1000);
+}
+
+Tracker::Tracker(const TrackingParams& params) : params_(params) { params.validate(); }
+
+std::vector<Track> Tracker::update(const std::vector<Candidate>& candidates,
+                                   const std::optional<Eigen::Isometry3d>& current_from_previous, double time) {
+  note_time(time);
+  std::vector<Eigen::Vector3d> moved;  // the last frame's centroids, seen from here
+  if (current_from_previous) {
+    for (const Track& track : previous_) moved.push_back(*current_from_previous * track.candidate.centroid);
+  }
+  std::vector<std::optional<Link>> links;
+  for (const Candidate& candidate : candidates) {
+    links.push_back(find_nearest(candidate.centroid, moved, params_.association_radius_m));
+  }
+  const std::map<std::size_t, std::size_t> heirs = find_heirs(links);
+
+  std::vector<Track> tracks;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    Track track{.id = 0, .candidate = candidates[i], .length = 1, .validated = false};
+    if (links[i]) track.length = previous_[links[i]->track].length + 1;
+    const bool keeps_id = links[i] && heirs.at(links[i]->track) == i;
+    track.id = keeps_id ? previous_[links[i]->track].id : ++last_id_;
+    track.validated = track.length >= required_sightings();
+    tracks.push_back(std::move(track));
+  }
+  previous_ = tracks;
+  return tracks;
+}
+
+void Tracker::miss(double time) {
+  note_time(time);
+  previous_.clear();
+}
+
+void Tracker::note_time(double time) {
+  if (time_) {
+    if (!(time > *time_)) throw std::invalid_argument(fmt::format("time = {}, must be after the last one, {}", time, *time_));
+    steps_.push_back(time - *time_);
+    if (steps_.size() > kRememberedSteps) steps_.erase(steps_.begin());
+  }
+  time_ = time;
+}
+
+int Tracker::required_sightings() const {
+  if (steps_.empty()) return params_.min_sightings;  // no rate is known yet
+  std::vector<double> sorted = steps_;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double sightings = std::min(std::round(params_.validation_s / *middle), 1e6);
+  return std::max(params_.min_sightings, static_cast<int>(sightings));
+}
+
+}  // namespace brink
