@@ -28,6 +28,7 @@ struct FrameTruth {
   int frame = 0;
   double time = 0.0;                                   ///< s
   cv::Mat1b negative;                                  ///< id of the negative obstacle seen, 0 = none, 255 = not labelled
+  cv::Mat1f disparity;                                 ///< px, 0 = none; empty when the sequence has no disparity/
   std::vector<VisibleInstance> instances;              ///< those with at least one pixel in `negative`, ascending id
   std::optional<Eigen::Isometry3d> world_from_camera;  ///< world = left camera of frame 0
 };
