@@ -25,11 +25,17 @@ void outline_mask(cv::Mat3b& picture, const cv::Mat1b& mask, const cv::Scalar& c
   cv::drawContours(picture, contours, -1, color, line);
 }
 
+cv::Mat1b mask_of(const FrameTruth& truth, int id) {
+  cv::Mat1b mask;
+  cv::compare(truth.negative, id, mask, cv::CMP_EQ);
+  return mask;
+}
+
 void draw_truth(cv::Mat3b& picture, const FrameTruth& truth, const FrameScore& score) {
   const Pen pen(picture);
-  outline_mask(picture, truth.negative == kNotLabelled, kDontCare, 1);
+  outline_mask(picture, mask_of(truth, kNotLabelled), kDontCare, 1);
   for (const InstanceScore& instance : score.instances) {
-    const cv::Mat1b mask = truth.negative == instance.id;
+    const cv::Mat1b mask = mask_of(truth, instance.id);
     const cv::Scalar& color = instance.settled ? kTruth : kDontCare;
     outline_mask(picture, mask, color, 2 * pen.line);
     const cv::Rect box = cv::boundingRect(mask);
