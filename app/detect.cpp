@@ -82,21 +82,14 @@ int detect(const DetectOptions& options) {
   if (!options.overlay.empty()) overlay.emplace(options.overlay);
   OutputFile out(options.out);
 
-  Detector detector(params);
   Summary summary;
-  Progress progress(sequence.size());
-  for (int position = 0; position < sequence.size(); ++position) {
-    const FrameReading reading = sequence.read(position);
+  process_sequence(sequence, params, [&](const FrameReading& reading, const Detection& detection) {
     const bool readable = reading.status == FrameStatus::ok;
     if (!readable) say(reading.reason);
-    const Detection detection =
-        readable ? detector.process(reading.frame)
-                 : make_failed_detection(reading.frame.index, reading.frame.time, reading.status, reading.reason);
     out.write(to_json_line(detection));
     if (readable && overlay) write_overlays(*overlay, reading.frame, detection, params.candidates);
     summary.add(detection);
-    progress.tell(position + 1);
-  }
+  });
   if (summary.ok == 0) {
     if (!pair) say(fmt::format("none of {} frames can be used", summary.frames));
     return kExitData;
@@ -108,6 +101,19 @@ int detect(const DetectOptions& options) {
 }
 
 }  // namespace
+
+void process_sequence(const Sequence& sequence, const DetectorParams& params, const ProcessedFrame& on_frame) {
+  Detector detector(params);
+  Progress progress(sequence.size());
+  for (int position = 0; position < sequence.size(); ++position) {
+    const FrameReading reading = sequence.read(position);
+    const bool readable = reading.status == FrameStatus::ok;
+    on_frame(reading, readable
+                          ? detector.process(reading.frame)
+                          : make_failed_detection(reading.frame.index, reading.frame.time, reading.status, reading.reason));
+    progress.tell(position + 1);
+  }
+}
 
 Run add_detect(CLI::App& command) {
   const auto options = std::make_shared<DetectOptions>();

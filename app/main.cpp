@@ -22,12 +22,14 @@ struct Command {
   Run (*add)(CLI::App&);
 };
 
-constexpr std::array<Command, 5> kCommands{{
+constexpr std::array<Command, 7> kCommands{{
     {"detect", "Find where the ground goes down, in one stereo pair or a sequence", add_detect},
     {"disparity", "Compute the disparity image of one stereo pair", add_disparity},
     {"params", "List every parameter with its value, unit and meaning", add_params},
     {"bench", "Measure how long each stage takes on this machine", add_bench},
     {"simulate", "Make a virtual walk with exact truth", add_simulate},
+    {"evaluate", "Compare detections, trajectories or disparities with the truth", add_evaluate},
+    {"compare", "Tell whether one evaluation is worse than another, beyond chance", add_compare},
 }};
 
 /// Help as sentences, one line for each option: a screen reader reads it from left to right, columns would tear it apart.
@@ -75,7 +77,7 @@ int run(int argc, char** argv) {
     return kExitUsage;
   }
   if (app.get_subcommands().empty()) {
-    say("no command given, expected detect, disparity, params, bench or simulate (brink --help tells more)");
+    say("no command given, expected one of those that brink --help lists ");
     return kExitUsage;
   }
   return runs.at(app.get_subcommands().front())();

@@ -32,7 +32,8 @@ void report_single_frame(Detection& detection, const DetectorParams& params) {
   int id = 0;
   for (const Candidate& candidate : detection.candidates) {
     const bool report = params.stills && candidate.distance_m <= params.report_range_m;
-    (report ? detection.obstacles : detection.tracks).push_back({++id, candidate, 1});
+    (report ? detection.obstacles : detection.tracks)
+        .push_back({.id = ++id, .candidate = candidate, .track_length = 1, .probability = {}});
   }
 }
 

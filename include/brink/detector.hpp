@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,8 @@ std::string to_string(FrameStatus status);
 struct NegativeObstacle {
   int id = 0;  ///< unique in its run; for stills unique in its frame
   Candidate candidate;
-  int track_length = 1;  ///< sightings in a row
+  int track_length = 1;               ///< sightings in a row
+  std::optional<double> probability;  ///< that it is there, 0..1; empty when it is not known
 };
 
 /// Wall-clock time of each stage, ms.

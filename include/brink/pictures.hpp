@@ -14,6 +14,15 @@ namespace brink {
 ///         16 bits, or has transparency (4 channels).
 cv::Mat read_picture(const std::string& path);
 
+/// A picture of numbers, one for each pixel: 8 bit, 1 channel.
+/// @throws std::runtime_error as read_picture does, and for more channels.
+cv::Mat1b read_mask(const std::string& path);
+
+/// Reads a disparity file in either of the formats below, told apart by its first bytes.
+/// @return px, kInvalidDisparity = none.
+/// @throws std::runtime_error "path: ..." when it is missing, truncated or not such a file.
+cv::Mat1f read_disparity(const std::string& path);
+
 /// The bytes of a PNG file.
 std::string encode_png(const cv::Mat& picture);
 

@@ -19,21 +19,27 @@
 namespace brink {
 namespace {
 
-cv::Mat decode(const PictureHeader& header) {
-  constexpr int kBits = 8;
+constexpr int kBits = 8;
+constexpr int kDisparityBits = 16;
+
+cv::Mat to_bytes(const std::string& bytes) {
+  return {1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data())};  // only read
+}
+
+cv::Mat decode(const PictureHeader& header, int bits) {
   if (header.width < 1 || header.height < 1) {
     throw std::runtime_error(fmt::format("is damaged: {}x{} px", header.width, header.height));
   }
-  if (header.bits > kBits) throw std::runtime_error(fmt::format("is a {}-bit picture, expected 8-bit", header.bits));
+  if (bits == kBits ? header.bits > bits : header.bits != bits) {
+    throw std::runtime_error(fmt::format("is a {}-bit picture, expected {}-bit", header.bits, bits));
+  }
   if (header.channels != 1 && header.channels != 3) {
     throw std::runtime_error(fmt::format("has {} channels, expected 1 (grey) or 3 (colour)", header.channels));
   }
-  const cv::Mat1b bytes(1, static_cast<int>(header.bytes.size()),
-                        const_cast<uchar*>(reinterpret_cast<const uchar*>(header.bytes.data())));  // only read
-  const int mode = header.channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR;
+  const int mode = (header.channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR) | (bits > kBits ? cv::IMREAD_ANYDEPTH : 0);
   cv::Mat picture;
   try {
-    picture = cv::imdecode(bytes, mode | cv::IMREAD_IGNORE_ORIENTATION);
+    picture = cv::imdecode(to_bytes(header.bytes), mode | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception& error) {
     throw std::runtime_error(fmt::format("of {}x{} px cannot be decoded: {}", header.width, header.height, error.err));
   }
@@ -53,15 +59,62 @@ std::string encode_pfm(const cv::Mat1f& disparity) {
   return bytes;
 }
 
-}  // namespace
+// A PNG in KITTI's convention: disparity times 256, 0 = none.
+cv::Mat1f decode_disparity_png(const std::string& bytes) {
+  const PictureHeader header = examine_picture(bytes);
+  if (header.channels != 1) throw std::runtime_error(fmt::format("has {} channels, expected 1", header.channels));
+  cv::Mat1f disparity;
+  constexpr double kScale = 256.0;
+  decode(header, kDisparityBits).convertTo(disparity, CV_32F, 1.0 / kScale);
+  disparity.setTo(kInvalidDisparity, disparity == 0.0F);
+  return disparity;
+}
 
-cv::Mat read_picture(const std::string& path) {
+// A PFM in Middlebury's convention: infinity = none.
+cv::Mat1f decode_pfm(const std::string& bytes) {
+  cv::Mat disparity;
+  try {
+    disparity = cv::imdecode(to_bytes(bytes), cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    throw std::runtime_error("is a damaged or truncated PFM picture");
+  }
+  if (disparity.empty()) throw std::runtime_error("is a damaged or truncated PFM picture");
+  if (disparity.type() != CV_32FC1) throw std::runtime_error("is a PFM picture of 3 channels, expected 1");
+  for (float& value : cv::Mat1f(disparity)) {
+    if (!(value >= 0.0F && value < std::numeric_limits<float>::infinity())) value = kInvalidDisparity;
+  }
+  return disparity;
+}
+
+// Runs a decoder over a file; its faults get the file's name.
+template <typename Decoder>
+auto decode_file(const std::string& path, const Decoder& decoder) {
   const std::string bytes = read_file(path);
   try {
-    return decode(examine_picture(bytes));
+    return decoder(bytes);
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("{}: {}", path, error.what()));
   }
+}
+
+}  // namespace
+
+cv::Mat read_picture(const std::string& path) {
+  return decode_file(path, [](const std::string& bytes) { return decode(examine_picture(bytes), kBits); });
+}
+
+cv::Mat1b read_mask(const std::string& path) {
+  const cv::Mat picture = read_picture(path);
+  if (picture.channels() != 1) {
+    throw std::runtime_error(fmt::format("{}: has {} channels, expected 1", path, picture.channels()));
+  }
+  return picture;
+}
+
+cv::Mat1f read_disparity(const std::string& path) {
+  return decode_file(path, [](const std::string& bytes) {
+    return bytes.starts_with("Pf") || bytes.starts_with("PF") ? decode_pfm(bytes) : decode_disparity_png(bytes);
+  });
 }
 
 std::string encode_png(const cv::Mat& picture) {

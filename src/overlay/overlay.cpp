@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "brink/disparity.hpp"
+#include "overlay/writing.hpp"
 
 namespace brink {
 namespace {
@@ -27,31 +28,6 @@ cv::Mat3b left_picture(const Frame& frame) {
   cv::Mat3b picture;
   if (!frame.left.empty()) cv::cvtColor(frame.left, picture, cv::COLOR_GRAY2BGR);
   return picture;
-}
-
-// Sizes of text and lines grow with the picture, so that it reads the same in a paper or on a phone.
-struct Pen {
-  double text = 0.0;  // font scale
-  int line = 1;       // px
-  explicit Pen(const cv::Mat& picture) : text(std::max(0.4, picture.cols / 1400.0)), line(std::max(1, picture.cols / 500)) {}
-};
-
-cv::Size text_size(const std::string& text, double scale, int line) {
-  int below = 0;
-  cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, line, &below);
-  size.height += below;
-  return size;
-}
-
-// Text with a dark outline, its top left corner near `corner`, moved as far as needed to stay inside the picture.
-void write(cv::Mat3b& picture, const std::string& text, cv::Point corner, double scale, int line, const cv::Scalar& color) {
-  const cv::Size size = text_size(text, scale, line);
-  const int margin = 2 * line;
-  corner.x = std::clamp(corner.x, margin, std::max(margin, picture.cols - size.width - margin));
-  corner.y = std::clamp(corner.y, margin, std::max(margin, picture.rows - size.height - margin));
-  const cv::Point base(corner.x, corner.y + size.height * 3 / 4);
-  cv::putText(picture, text, base, cv::FONT_HERSHEY_SIMPLEX, scale, kBlack, line + 2 * std::max(1, line), cv::LINE_AA);
-  cv::putText(picture, text, base, cv::FONT_HERSHEY_SIMPLEX, scale, color, line, cv::LINE_AA);
 }
 
 void tint(cv::Vec3b& pixel, const cv::Scalar& color, double share) {

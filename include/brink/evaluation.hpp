@@ -1,0 +1,249 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+
+#include "brink/detector.hpp"
+#include "brink/truth.hpp"
+
+namespace brink {
+
+/// The protocol of docs/evaluation.md, with its numbers.
+struct EvaluationParams {
+  double min_depth_m = 0.15;      ///< instances that are shallower are "don't care"
+  double max_range_m = 5.0;       ///< instances whose rim is farther are "don't care"; detections farther away do not count
+  double first_range_m = 8.0;     ///< an instance appears when its rim comes nearer than this
+  int min_visible_px = 150;       ///< ... and this many of its pixels are seen
+  int dilation_px = 5;            ///< masks are widened by this
+  double settle_s = 0.35;         ///< settled rates leave out this long after an instance appears
+  double gone_s = 1.0;            ///< an instance that was out of view for this long appears anew: another approach
+  int validation_sightings = 5;   ///< sightings that a track needs: gives the ceiling of the raw rate
+  double event_range_m = 3.0;     ///< an approach that comes nearer than this is an event
+  double warn_range_m = 2.0;      ///< warned in time: validated at this distance or farther
+  double warn_delay_s = 0.5;      ///< ... or this soon after an instance that appears nearer than that
+  double episode_radius_m = 0.5;  ///< false detections this near to each other are one episode
+  double episode_gap_s = 0.5;     ///< ... and this soon after each other
+  int block_frames = 15;          ///< frames are resampled in blocks, as neighbours tell the same
+  int resamplings = 2000;         ///< of the bootstrap
+  int seed = 1;                   ///< of the bootstrap
+  void validate() const;          ///< @throws std::invalid_argument "evaluation.name = value, must be ..."
+};
+
+/// Counts that rates are made of.
+struct Counts {
+  int tp = 0;  ///< instances that were hit
+  int fn = 0;  ///< instances that were not
+  int fp = 0;  ///< detections that hit nothing and lie on nothing that is "don't care"
+  Counts& operator+=(const Counts& other);
+  /// TP/(TP+FN). Empty without an instance.
+  [[nodiscard]] std::optional<double> tpr() const;
+  /// TP/(TP+FP). Empty without a detection.
+  [[nodiscard]] std::optional<double> ppv() const;
+};
+
+/// What the detections of one frame hit (evaluation.md, "Detection, per frame").
+struct FrameMatch {
+  std::vector<std::vector<int>> hits;  ///< for each detection, the ids that it hits, ascending
+  std::vector<bool> is_false;          ///< for each detection: counts as FP
+  int fragments = 0;                   ///< detections beyond the first on the same instance
+};
+/// @param regions one mask for each detection, of the size of `negative`, not 0 = inside.
+/// @param counted ids that count; every other id in `negative` is "don't care".
+/// @throws std::invalid_argument when sizes differ or dilation_px is negative.
+FrameMatch match_frame(const cv::Mat1b& negative, const std::vector<cv::Mat1b>& regions, const std::vector<int>& counted,
+                       int dilation_px);
+
+/// The filled contour of an obstacle. @return mask of `size`, 255 inside; parts outside of the picture are cut off.
+cv::Mat1b fill_contour(const std::vector<cv::Point>& contour, const cv::Size& size);
+
+/// One truth instance in one frame.
+struct InstanceScore {
+  int id = 0;
+  int visible_px = 0;
+  std::optional<double> distance_m;
+  bool raw = false;        ///< counts in the raw rates
+  bool settled = false;    ///< counts in the settled rates
+  bool reachable = false;  ///< a track that never misses could be validated by now
+  bool hit = false;        ///< at least one detection hits it
+};
+
+/// One detection in one frame.
+struct DetectionScore {
+  int id = 0;                               ///< of the obstacle
+  std::vector<int> hits;                    ///< ids of the instances that it hits, "don't care" ones included
+  bool raw_false = false;                   ///< FP in the raw rates
+  bool settled_false = false;               ///< FP in the settled rates
+  double distance_m = 0.0;                  ///< as it claims
+  std::optional<double> distance_error_m;   ///< claimed less true; empty when it hits nothing or truth tells no distance
+  std::optional<double> bearing_error_deg;  ///< likewise, -180..180
+  std::optional<double> probability;        ///< as it claims
+  std::optional<int> episode;               ///< of false alarms, index in SequenceScore::episodes
+};
+
+struct FrameScore {
+  int frame = 0;
+  double time = 0.0;  ///< s
+  FrameStatus status = FrameStatus::ok;
+  GroundState ground = GroundState::not_visible;
+  std::vector<InstanceScore> instances;
+  std::vector<DetectionScore> detections;
+  int fragments = 0;
+  [[nodiscard]] Counts raw() const;
+  [[nodiscard]] Counts settled() const;
+};
+
+/// One instance on one approach that comes nearer than event_range_m.
+struct Event {
+  int id = 0;
+  int first_frame = 0;                      ///< where it appears
+  double first_distance_m = 0.0;            ///< true distance there
+  double nearest_m = 0.0;                   ///< smallest true distance of the approach
+  std::optional<int> warned_frame;          ///< first frame in which a detection hits it; empty = missed
+  std::optional<double> warned_distance_m;  ///< true distance there
+  std::optional<double> lead_time_s;        ///< from there to the smallest distance
+  bool in_time = false;
+};
+
+/// False detections at the same place on the ground, whatever their ids.
+struct Episode {
+  int first_frame = 0;
+  int last_frame = 0;
+  int detections = 0;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< last rim_nearest, world, m
+};
+
+/// All that the evaluation of one sequence tells; rates follow from it by summarise.
+struct SequenceScore {
+  std::string name;
+  double duration_s = 0.0;         ///< frames times the median step of time
+  std::optional<double> walked_m;  ///< length of the true path; empty without poses
+  std::vector<FrameScore> frames;
+  std::vector<Event> events;
+  std::vector<Episode> episodes;  ///< empty, too, without poses: then nothing can be said of them
+};
+
+/// Goes through one sequence, frame by frame in order of time, with its truth beside it.
+class SequenceEvaluator {
+ public:
+  /// @throws std::invalid_argument when the parameters are not valid.
+  SequenceEvaluator(std::string name, const EvaluationParams& params = {});
+
+  /// @throws std::invalid_argument when the frame numbers differ, times do not increase, or an obstacle's contour leaves the
+  ///         picture: those are detections of something else.
+  void add(const FrameTruth& truth, const Detection& detection);
+
+  /// The score of all frames so far.
+  [[nodiscard]] SequenceScore finish() const;
+
+ private:
+  struct Appearance {
+    double start = 0.0;      // s
+    double last_seen = 0.0;  // s
+    int sightings = 0;       // frames in a row
+    std::size_t approach = 0;
+  };
+  struct Approach;
+  EvaluationParams params_;
+  SequenceScore score_;
+  std::map<int, Appearance> appearances_;   // by id
+  std::vector<Event> approaches_;           // those that do not come near enough are left out at the end
+  std::vector<double> nearest_times_;       // of approaches_: when they were nearest
+  std::vector<double> warned_times_;        // of approaches_
+  std::vector<Eigen::Vector3d> positions_;  // of the camera, world
+};
+
+/// A figure with its 95 % interval.
+struct Estimate {
+  double value = 0.0;
+  double low = 0.0;
+  double high = 0.0;
+};
+
+/// The tables. Empty optionals: there was nothing to count.
+struct EvaluationSummary {
+  int sequences = 0;
+  int frames = 0;
+  double minutes = 0.0;
+  Counts raw, settled;
+  int instances = 0;  ///< of the raw counts: TP + FN
+  int fragments = 0;
+  std::optional<Estimate> raw_tpr, raw_ppv, settled_tpr, settled_ppv;
+  std::optional<double> raw_ceiling;  ///< greatest raw TPR that a track of validation_sightings can reach
+  struct RangeBin {
+    double from_m = 0.0;
+    double to_m = 0.0;
+    Counts raw, settled;  ///< fp unused
+  };
+  std::vector<RangeBin> recall_by_range;  ///< 1 m wide, 0 to max_range_m
+  int events = 0;
+  int missed = 0;
+  int late = 0;                            ///< warned, not in time
+  std::optional<Estimate> warned_in_time;  ///< share of the events
+  std::optional<double> first_warning_min_m, first_warning_median_m, lead_time_min_s, lead_time_median_s;
+  int episodes = 0;
+  std::optional<Estimate> episodes_per_minute, episodes_per_100m;  ///< empty without poses
+  std::optional<double> distance_error_median_m, distance_error_p95_m, bearing_error_median_deg, bearing_error_p95_deg;
+  int localised = 0;                        ///< detections that these come from
+  std::map<std::string, int> frame_status;  ///< "ok", ...: frames
+  std::map<std::string, int> ground_state;  ///< "seen", ...: frames that are ok
+  struct ProbabilityBin {
+    double from = 0.0;
+    double to = 0.0;
+    int detections = 0;
+    double mean_probability = 0.0;
+    double hit_share = 0.0;
+  };
+  std::vector<ProbabilityBin> calibration;  ///< tenths; empty when no detection tells a probability
+  std::optional<double> expected_calibration_error;
+};
+/// Pools sequences: counts are added, blocks of frames and events resampled.
+/// @throws std::invalid_argument when there is no sequence or the parameters are not valid.
+EvaluationSummary summarise(const std::vector<SequenceScore>& sequences, const EvaluationParams& params = {});
+
+/// One figure of two runs over the same sequences.
+struct Comparison {
+  std::string name;  ///< "settled TPR", ...
+  double a = 0.0;
+  double b = 0.0;
+  Estimate difference;  ///< b - a, from paired resampling: the same blocks, the same events
+  bool more_is_better = true;
+  /// The whole interval lies on the wrong side of 0.
+  [[nodiscard]] bool is_worse() const { return more_is_better ? difference.high < 0.0 : difference.low > 0.0; }
+};
+/// Raw and settled TPR and PPV, share of events warned in time, false-alarm episodes per minute, distance error (median). What
+/// one of both does not have is left out.
+/// @throws std::invalid_argument when the runs are not of the same sequences, frames and events.
+std::vector<Comparison> compare(const std::vector<SequenceScore>& a, const std::vector<SequenceScore>& b,
+                                const EvaluationParams& params = {});
+
+/// Scores as JSON, whole, so that they can be compared later.
+std::string to_json(const std::vector<SequenceScore>& sequences, const EvaluationParams& params);
+/// @throws std::runtime_error "name: ..." when the text is not what to_json writes. @param name of the file, for the message.
+struct StoredScores {
+  std::vector<SequenceScore> sequences;
+  EvaluationParams params;
+};
+StoredScores read_scores(const std::string& path);
+
+/// Disparities against their truth, over the pixels of known truth (Middlebury, KITTI).
+struct DisparityErrors {
+  int known_px = 0;
+  double density = 0.0;  ///< share of the known pixels that have a disparity, 0..1
+  // Shares of the valid pixels that are off by more than 1, 2, 3 px; 0 when none is valid.
+  double bad_1 = 0.0, bad_2 = 0.0, bad_3 = 0.0;
+  // The same of all known pixels, an invalid one counting as off.
+  double bad_1_or_invalid = 0.0, bad_2_or_invalid = 0.0, bad_3_or_invalid = 0.0;
+  double mean_error_px = 0.0;  ///< of the valid ones
+};
+/// @param disparity px, kInvalidDisparity = none. @param truth px, 0 = not known. @param mask where it is 0 a pixel does not
+///        count; empty = all count.
+/// @throws std::invalid_argument when sizes differ or no pixel is known.
+DisparityErrors compute_disparity_errors(const cv::Mat1f& disparity, const cv::Mat1f& truth, const cv::Mat1b& mask = {});
+
+}  // namespace brink

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <opencv2/core.hpp>
+
+#include "brink/camera.hpp"
+#include "brink/sequence_writer.hpp"
+
+namespace brink {
+
+/// A negative obstacle as one frame shows it.
+struct VisibleInstance {
+  int id = 0;
+  int visible_px = 0;             ///< pixels of its inside that are seen
+  std::optional<double> depth_m;  ///< empty when the sequence has no instances.yaml
+  /// Of the nearest point of its rim that is seen, in the plane of the rim, from the foot of the camera's perpendicular; of the
+  /// nearest point at all when the rim itself is out of the picture. Empty when the sequence lacks poses or rims.
+  std::optional<double> distance_m;
+  std::optional<double> bearing_deg;  ///< of that point, from the optical axis laid onto that plane, positive right
+};
+
+/// What is true of one frame.
+struct FrameTruth {
+  int frame = 0;
+  double time = 0.0;                                   ///< s
+  cv::Mat1b negative;                                  ///< id of the negative obstacle seen, 0 = none, 255 = not labelled
+  cv::Mat1f disparity;                                 ///< px, 0 = none; empty when the sequence has no disparity/
+  std::vector<VisibleInstance> instances;              ///< those with at least one pixel in `negative`, ascending id
+  std::optional<Eigen::Isometry3d> world_from_camera;  ///< world = left camera of frame 0
+};
+
+/// The pixel value that means "not labelled".
+inline constexpr int kNotLabelled = 255;
+
+/// The truth of a sequence in the layout of docs/formats.md: negative/, and where there are any instances.yaml, poses.txt,
+/// calib.txt, times.txt and disparity/. Holds names and small tables: masks are read one frame at a time.
+class SequenceTruth {
+ public:
+  /// @throws std::runtime_error "path: ..." when there is no negative/ with masks, and when a file that is there is not what
+  ///         docs/formats.md says or contradicts another one (an id twice, fewer poses than frames, NaN).
+  explicit SequenceTruth(const std::string& folder);
+
+  [[nodiscard]] const std::string& folder() const { return folder_; }
+  [[nodiscard]] int size() const { return static_cast<int>(frames_.size()); }  ///< frames with a mask
+  [[nodiscard]] const std::vector<int>& frames() const { return frames_; }     ///< their numbers, ascending
+  [[nodiscard]] const std::vector<InstanceTruth>& instances() const { return instances_; }
+
+  /// @param position 0 .. size() - 1. @throws std::out_of_range otherwise, std::runtime_error "file: ..." when a picture
+  ///        cannot be read, is not one of 8 bit, holds an id that instances.yaml lacks, or differs in size from the others.
+  [[nodiscard]] FrameTruth read(int position) const;
+
+ private:
+  std::string folder_;
+  std::vector<int> frames_;
+  std::vector<double> times_;             // by frame number; empty = the number itself
+  std::vector<Eigen::Isometry3d> poses_;  // by frame number; empty = unknown
+  std::vector<InstanceTruth> instances_;  // empty when there is no instances.yaml
+  bool has_instances_ = false;            // instances.yaml is there, perhaps without any
+  std::optional<StereoCamera> camera_;    // empty without calib.txt
+  cv::Size size_;                         // of all masks
+};
+
+/// The nearest point of a rim that a camera sees: rim points in the picture with nothing in front of them. All of it in the
+/// plane of the rim (evaluation.md: distances are those of the nearest visible point of the rim, in the ground plane).
+struct RimSighting {
+  double distance_m = 0.0;
+  double bearing_deg = 0.0;
+  bool visible = false;  ///< false: no point of the rim is in view, and the nearest one at all is told
+};
+/// @param opening polygon in the left camera's frame, m, at least 3 points. @param disparity truth, px, 0 = none; empty =
+/// nothing
+///        is known to stand in front.
+/// @throws std::invalid_argument when the polygon has no plane.
+RimSighting find_nearest_rim(const std::vector<Eigen::Vector3d>& opening, const StereoCamera& camera, const cv::Size& size,
+                             const cv::Mat1f& disparity);
+
+}  // namespace brink
