@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <tbb/parallel_invoke.h>
 
 namespace brink {
 namespace {
@@ -27,16 +28,6 @@ void sort_out(std::vector<Candidate>&& selected, Detection& detection) {
   }
 }
 
-/// Without a past there is nothing to validate with: a still's candidates are its obstacles, or tracks of one sighting.
-void report_single_frame(Detection& detection, const DetectorParams& params) {
-  int id = 0;
-  for (const Candidate& candidate : detection.candidates) {
-    const bool report = params.stills && candidate.distance_m <= params.report_range_m;
-    (report ? detection.obstacles : detection.tracks)
-        .push_back({.id = ++id, .candidate = candidate, .track_length = 1, .probability = {}});
-  }
-}
-
 }  // namespace
 
 DetectorParams DetectorParams::brink() { return {}; }
@@ -52,6 +43,8 @@ void DetectorParams::validate() const {
   disparity.validate();
   ground.validate();
   candidates.validate();
+  ego_motion.validate();
+  tracking.validate();
   if (!(report_range_m > 0.0 && report_range_m <= 1000.0)) {
     throw std::invalid_argument(fmt::format("detector.report_range_m = {}, must be above 0 to 1000", report_range_m));
   }
@@ -69,7 +62,21 @@ std::string to_string(FrameStatus status) {
   return "bad_frame";
 }
 
-Detector::Detector(const DetectorParams& params) : params_(params) {
+std::string to_string(EgoMotionState state) {
+  switch (state) {
+    case EgoMotionState::none:
+      return "none";
+    case EgoMotionState::ok:
+      return "ok";
+    case EgoMotionState::failed:
+      return "failed";
+    case EgoMotionState::given:
+      break;
+  }
+  return "given";
+}
+
+Detector::Detector(const DetectorParams& params) : params_(params), ego_motion_(params.ego_motion), tracker_(params.tracking) {
   params.validate();
   matcher_ = make_stereo_matcher(params.disparity);
 }
@@ -79,13 +86,22 @@ Detection Detector::process(const Frame& frame) {
   detection.frame = frame.index;
   detection.time = frame.time;
   Stopwatch whole;
-  Stopwatch stage;
 
-  // III.C.1 Disparity map
-  detection.disparity = matcher_->compute(frame.left, frame.right);
-  detection.times.disparity = stage.lap_ms();
+  // III.C.1 Disparity map; III.C.4 Ego-motion, which does not depend on it, beside it
+  tbb::parallel_invoke(
+      [&] {
+        Stopwatch stage;
+        detection.disparity = matcher_->compute(frame.left, frame.right);
+        detection.times.disparity = stage.lap_ms();
+      },
+      [&] {
+        Stopwatch stage;
+        estimate_ego_motion(frame, detection);
+        detection.times.ego_motion = stage.lap_ms();
+      });
 
   // III.C.2 Ground surface
+  Stopwatch stage;
   detection.ground = estimate_ground(detection.disparity, frame.camera, params_.ground, frame.gravity);
   if (detection.ground.plane) {
     const GroundPlane& ground = *detection.ground.plane;
@@ -101,10 +117,47 @@ Detection Detector::process(const Frame& frame) {
     detection.times.ground = stage.lap_ms();
   }
 
-  // III.C.4 Tracking and validation: not for stills
-  report_single_frame(detection, params_);
+  // III.C.4 Tracking and validation
+  report(frame, detection);
+  detection.times.tracking = stage.lap_ms();
   detection.times.total = whole.lap_ms();
   return detection;
+}
+
+Detection Detector::process_failed(int frame, double time, FrameStatus status, const std::string& reason) {
+  last_world_from_camera_.reset();
+  if (!params_.stills) tracker_.miss(time);
+  return make_failed_detection(frame, time, status, reason);
+}
+
+void Detector::estimate_ego_motion(const Frame& frame, Detection& detection) {
+  if (params_.stills) return;
+  const std::optional<Eigen::Isometry3d> last = std::exchange(last_world_from_camera_, frame.world_from_camera);
+  if (last && frame.world_from_camera) {
+    detection.ego_motion_state = EgoMotionState::given;
+    detection.ego_motion.motion = EgoMotion{.current_from_previous = frame.world_from_camera->inverse() * *last};
+    return;
+  }
+  detection.ego_motion = ego_motion_.estimate(frame);
+  detection.ego_motion_state = detection.ego_motion.motion ? EgoMotionState::ok : EgoMotionState::failed;
+}
+
+void Detector::report(const Frame& frame, Detection& detection) {
+  const auto in_range = [this](const Candidate& candidate) { return candidate.distance_m <= params_.report_range_m; };
+  if (params_.stills) {  // without a past there is nothing to validate with
+    for (const Candidate& candidate : detection.candidates) {
+      const NegativeObstacle obstacle{.id = static_cast<int>(detection.obstacles.size() + detection.tracks.size()) + 1,
+                                      .candidate = candidate};
+      (in_range(candidate) ? detection.obstacles : detection.tracks).push_back(obstacle);
+    }
+    return;
+  }
+  std::optional<Eigen::Isometry3d> current_from_previous;
+  if (detection.ego_motion.motion) current_from_previous = detection.ego_motion.motion->current_from_previous;
+  for (const Track& track : tracker_.update(detection.candidates, current_from_previous, frame.time)) {
+    const NegativeObstacle obstacle{.id = track.id, .candidate = track.candidate, .track_length = track.length};
+    (track.validated && in_range(track.candidate) ? detection.obstacles : detection.tracks).push_back(obstacle);
+  }
 }
 
 Detection make_failed_detection(int frame, double time, FrameStatus status, const std::string& reason) {
@@ -114,6 +167,8 @@ Detection make_failed_detection(int frame, double time, FrameStatus status, cons
   detection.status = status;
   detection.reason = reason;
   detection.ground.reason = reason;
+  detection.ego_motion_state = EgoMotionState::failed;
+  detection.ego_motion.reason = reason;
   return detection;
 }
 

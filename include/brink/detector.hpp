@@ -10,8 +10,10 @@
 
 #include "brink/candidates.hpp"
 #include "brink/disparity.hpp"
+#include "brink/ego_motion.hpp"
 #include "brink/frame.hpp"
 #include "brink/ground.hpp"
+#include "brink/tracking.hpp"
 
 namespace brink {
 
@@ -20,8 +22,11 @@ struct DetectorParams {
   DisparityParams disparity;
   GroundParams ground;
   CandidateParams candidates;
+  EgoMotionParams ego_motion;
+  TrackingParams tracking;
   double report_range_m = 5.0;  ///< obstacles are reported up to this distance of their rim in the ground plane
-  bool stills = false;          ///< the frames are unrelated: every candidate in range is an obstacle at once, track_length 1
+  bool stills = false;          ///< the frames are unrelated: every candidate in range is an obstacle at once, track_length 1;
+                                ///< no ego-motion, no tracking
 
   static DetectorParams brink();  ///< whatever measures best: the defaults
   static DetectorParams paper();  ///< the paper's rules to the letter
@@ -49,8 +54,19 @@ struct StageTimes {
   double ground = 0.0;  ///< with the elevation image
   double below_ground = 0.0;
   double no_disparity = 0.0;
+  double ego_motion = 0.0;  ///< runs beside disparity
+  double tracking = 0.0;
   double total = 0.0;
 };
+
+/// Where the motion of the camera since the last frame comes from.
+enum class EgoMotionState : std::uint8_t {
+  none,    ///< not asked for: stills
+  ok,      ///< measured in the pictures
+  failed,  ///< could not be measured; ego_motion.reason tells why
+  given,   ///< from outside: Frame::world_from_camera
+};
+std::string to_string(EgoMotionState state);
 
 /// What one frame told, with every intermediate, so that overlays, evaluation and benchmarks need no second pipeline.
 struct Detection {
@@ -61,6 +77,8 @@ struct Detection {
 
   cv::Mat1f disparity;  ///< px, kInvalidDisparity = none; empty when status is not ok
   GroundEstimate ground;
+  EgoMotionState ego_motion_state = EgoMotionState::none;
+  EgoMotionEstimate ego_motion;             ///< since the last frame that was processed
   cv::Mat1f elevation;                      ///< m, NaN = none; empty when the ground is not visible
   std::vector<Candidate> candidates;        ///< passed every rule
   std::vector<Candidate> rejected;          ///< failed one, each with its rejection
@@ -69,7 +87,8 @@ struct Detection {
   StageTimes times;
 };
 
-/// The whole of section III.C. Keeps scratch memory and what one frame hands to the next.
+/// The whole of section III.C, for the frames of one sequence in order. Keeps scratch memory and what one frame hands to the
+/// next.
 class Detector {
  public:
   /// @throws std::invalid_argument when the parameters are not valid.
@@ -77,12 +96,23 @@ class Detector {
 
   /// Frame in, detection out.
   /// @return status ok, with ground.state told; no candidates when the ground is not visible.
-  /// @throws std::invalid_argument when the frame is not one that make_frame would return.
+  /// @throws std::invalid_argument when the frame is not one that make_frame would return, and, unless params.stills, when its
+  ///         time is not after the last one's.
   [[nodiscard]] Detection process(const Frame& frame);
 
+  /// A frame that could not be read or processed. All tracks end: what was not seen is not known.
+  /// @param status not ok. @throws std::invalid_argument as process does for the time.
+  [[nodiscard]] Detection process_failed(int frame, double time, FrameStatus status, const std::string& reason);
+
  private:
+  void estimate_ego_motion(const Frame& frame, Detection& detection);
+  void report(const Frame& frame, Detection& detection);
+
   DetectorParams params_;
   std::unique_ptr<StereoMatcher> matcher_;
+  EgoMotionEstimator ego_motion_;
+  Tracker tracker_;
+  std::optional<Eigen::Isometry3d> last_world_from_camera_;  // given with the last frame
 };
 
 /// The answer for a frame that could not be read or processed. @param status not ok.

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
 #include "brink/camera.hpp"
@@ -23,6 +24,11 @@ struct Frame {
   StereoCamera camera;   ///< of both pictures
   /// Direction of gravity ("down"), unit length, left camera frame; empty when there is no IMU.
   std::optional<Eigen::Vector3d> gravity;
+  /// Turn of the left camera since the frame before, from a gyroscope; empty when there is none.
+  std::optional<Eigen::Matrix3d> current_from_previous_rotation;
+  /// Pose of the left camera in any fixed frame, from another system; where two frames in a row have one, it takes the place of
+  /// the motion measured in the pictures. Empty when there is none.
+  std::optional<Eigen::Isometry3d> world_from_camera;
 };
 
 /// Makes a frame from two 8-bit pictures, each grey (1 channel) or BGR (3 channels).
