@@ -55,6 +55,8 @@ class SequenceTruth {
  private:
   std::string folder_;
   std::vector<int> frames_;
+  std::vector<std::string> masks_;        // paths, by position
+  std::vector<std::string> disparities_;  // paths, by position; empty without disparity/
   std::vector<double> times_;             // by frame number; empty = the number itself
   std::vector<Eigen::Isometry3d> poses_;  // by frame number; empty = unknown
   std::vector<InstanceTruth> instances_;  // empty when there is no instances.yaml
@@ -70,10 +72,9 @@ struct RimSighting {
   double bearing_deg = 0.0;
   bool visible = false;  ///< false: no point of the rim is in view, and the nearest one at all is told
 };
-/// @param opening polygon in the left camera's frame, m, at least 3 points. @param disparity truth, px, 0 = none; empty =
-/// nothing
-///        is known to stand in front.
-/// @throws std::invalid_argument when the polygon has no plane.
+/// @param opening polygon in the left camera's frame, m, at least 3 points. @param disparity truth, px, <= 0 =
+///        none; empty = nothing is known to stand in front.
+/// @throws std::invalid_argument when the polygon has no plane or the disparity is not of that size.
 RimSighting find_nearest_rim(const std::vector<Eigen::Vector3d>& opening, const StereoCamera& camera, const cv::Size& size,
                              const cv::Mat1f& disparity);
 

@@ -1,11 +1,13 @@
 #include "brink/pictures.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <sstream>
 #include <stdexcept>
 #include <vector>
 
@@ -19,18 +21,15 @@
 namespace brink {
 namespace {
 
-cv::Mat decode(const PictureHeader& header) {
-  constexpr int kBits = 8;
+void check_size(const PictureHeader& header) {
   if (header.width < 1 || header.height < 1) {
     throw std::runtime_error(fmt::format("is damaged: {}x{} px", header.width, header.height));
   }
-  if (header.bits > kBits) throw std::runtime_error(fmt::format("is a {}-bit picture, expected 8-bit", header.bits));
-  if (header.channels != 1 && header.channels != 3) {
-    throw std::runtime_error(fmt::format("has {} channels, expected 1 (grey) or 3 (colour)", header.channels));
-  }
+}
+
+cv::Mat decode_bytes(const PictureHeader& header, int mode) {
   const cv::Mat1b bytes(1, static_cast<int>(header.bytes.size()),
                         const_cast<uchar*>(reinterpret_cast<const uchar*>(header.bytes.data())));  // only read
-  const int mode = header.channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR;
   cv::Mat picture;
   try {
     picture = cv::imdecode(bytes, mode | cv::IMREAD_IGNORE_ORIENTATION);
@@ -39,6 +38,62 @@ cv::Mat decode(const PictureHeader& header) {
   }
   if (picture.empty()) throw std::runtime_error("is damaged, cannot be decoded");
   return picture;
+}
+
+cv::Mat decode(const PictureHeader& header) {
+  constexpr int kBits = 8;
+  check_size(header);
+  if (header.bits > kBits) throw std::runtime_error(fmt::format("is a {}-bit picture, expected 8-bit", header.bits));
+  if (header.channels != 1 && header.channels != 3) {
+    throw std::runtime_error(fmt::format("has {} channels, expected 1 (grey) or 3 (colour)", header.channels));
+  }
+  return decode_bytes(header, header.channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
+}
+
+cv::Mat1f decode_disparity_png(const std::string& bytes) {
+  constexpr int kBits = 16;
+  constexpr double kScale = 256.0;
+  const PictureHeader header = examine_picture(bytes);
+  check_size(header);
+  if (header.bits != kBits || header.channels != 1) {
+    throw std::runtime_error(fmt::format("is a {}-bit picture of {} channels, expected 16-bit grey: disparity times 256",
+                                         header.bits, header.channels));
+  }
+  const cv::Mat stored = decode_bytes(header, cv::IMREAD_UNCHANGED);
+  cv::Mat1f disparity;
+  stored.convertTo(disparity, CV_32F, 1.0 / kScale);
+  disparity.setTo(kInvalidDisparity, stored == 0);
+  return disparity;
+}
+
+/// "Pf", columns, rows, scale (negative = little endian), then floats from the bottom row up.
+cv::Mat1f decode_pfm(const std::string& bytes) {
+  std::istringstream header(bytes);
+  std::string kind;
+  int columns = 0;
+  int rows = 0;
+  double scale = 0.0;
+  if (!(header >> kind >> columns >> rows >> scale) || kind != "Pf" || columns < 1 || rows < 1 || scale == 0.0) {
+    throw std::runtime_error("is no grey PFM picture, expected Pf, columns, rows, scale");
+  }
+  const std::size_t start = static_cast<std::size_t>(header.tellg()) + 1;  // one white space ends the header
+  const std::size_t row_bytes = static_cast<std::size_t>(columns) * sizeof(float);
+  if (bytes.size() < start || (bytes.size() - start) / row_bytes < static_cast<std::size_t>(rows)) {
+    throw std::runtime_error(fmt::format("is a truncated PFM picture of {}x{} px, expected a whole one", columns, rows));
+  }
+  cv::Mat1f disparity(rows, columns);
+  const bool swapped = (scale < 0.0) != (std::endian::native == std::endian::little);
+  for (int v = 0; v < rows; ++v) {
+    const char* from = bytes.data() + start + static_cast<std::size_t>(rows - 1 - v) * row_bytes;
+    for (int u = 0; u < columns; ++u, from += sizeof(float)) {
+      std::array<char, sizeof(float)> number{};
+      std::copy_n(from, number.size(), number.begin());
+      if (swapped) std::ranges::reverse(number);
+      const auto value = std::bit_cast<float>(number);
+      disparity(v, u) = std::isfinite(value) && value >= 0.0F ? value : kInvalidDisparity;
+    }
+  }
+  return disparity;
 }
 
 // Not by cv::imencode: that writes PFM to a temporary file, and returns what fitted when the disk is full.
@@ -97,6 +152,16 @@ std::string encode_disparity(const cv::Mat1f& disparity, DisparityFormat format)
     }
   }
   return encode_png(stored);
+}
+
+cv::Mat1f read_disparity(const std::string& path) {
+  const DisparityFormat format = disparity_format(path);
+  const std::string bytes = read_file(path);
+  try {
+    return format == DisparityFormat::png ? decode_disparity_png(bytes) : decode_pfm(bytes);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("{}: {}", path, error.what()));
+  }
 }
 
 }  // namespace brink
