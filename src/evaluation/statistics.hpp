@@ -8,15 +8,15 @@
 
 namespace brink {
 
-/// The value below which `share` (0..1) of the values lie, between two of them in proportion; 0.5 = median. Empty without
-/// values.
+/// The value (none NaN) below which `share` (0..1) of the values lie, between two of them in proportion; 0.5 = median. Empty
+/// without values.
 inline std::optional<double> quantile(std::vector<double> values, double share) {
   if (values.empty()) return std::nullopt;
-  std::ranges::sort(values);
   const double position = share * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(std::floor(position));
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return values[below] + (position - std::floor(position)) * (values[above] - values[below]);
+  const auto below = values.begin() + static_cast<std::ptrdiff_t>(position);
+  std::ranges::nth_element(values, below);
+  if (below + 1 == values.end()) return *below;
+  return *below + (position - std::floor(position)) * (*std::min_element(below + 1, values.end()) - *below);
 }
 
 }  // namespace brink
