@@ -76,9 +76,10 @@ cv::Mat1f decode_pfm(const std::string& bytes) {
   if (!(header >> kind >> columns >> rows >> scale) || kind != "Pf" || columns < 1 || rows < 1 || scale == 0.0) {
     throw std::runtime_error("is no grey PFM picture, expected Pf, columns, rows, scale");
   }
-  const std::size_t start = static_cast<std::size_t>(header.tellg()) + 1;  // one white space ends the header
+  const bool ended = header.get() == std::istringstream::traits_type::eof();  // one white space ends the header
+  const std::size_t start = ended ? bytes.size() : static_cast<std::size_t>(header.tellg());
   const std::size_t row_bytes = static_cast<std::size_t>(columns) * sizeof(float);
-  if (bytes.size() < start || (bytes.size() - start) / row_bytes < static_cast<std::size_t>(rows)) {
+  if ((bytes.size() - start) / row_bytes < static_cast<std::size_t>(rows)) {
     throw std::runtime_error(fmt::format("is a truncated PFM picture of {}x{} px, expected a whole one", columns, rows));
   }
   cv::Mat1f disparity(rows, columns);
