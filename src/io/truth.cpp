@@ -109,7 +109,7 @@ std::vector<Eigen::Isometry3d> read_poses(const fs::path& path, int last_number)
 }
 
 cv::Mat1b read_mask(const std::string& path) {
-  const cv::Mat mask = read_picture(path);
+  cv::Mat mask = read_picture(path);
   if (mask.channels() != 1) fail(path, "is a colour picture, expected grey: 0 = none, 255 = not labelled, else an id");
   return mask;
 }
