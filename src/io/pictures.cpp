@@ -121,7 +121,7 @@ cv::Mat read_picture(const std::string& path) {
 }
 
 cv::Mat1b read_mask(const std::string& path) {
-  const cv::Mat mask = read_picture(path);
+  cv::Mat mask = read_picture(path);
   if (mask.channels() == 1) return mask;
   throw std::runtime_error(path + ": is a colour picture, expected grey: a number for each pixel");
 }
