@@ -97,6 +97,16 @@ TEST(SettledRates, LeaveOutTheFirstSixFramesAt15PerSecond) {
   EXPECT_EQ(settled_frames({0, 1, 2, 3, 4, 5, 6, 7}), "nnnnnnyy");
 }
 
+TEST(SettledRates, CountFromExactlyTheSettlingTime) {
+  SequenceEvaluator evaluator("20 frames per second");  // frame 7 comes after 0.35 s
+  for (int frame = 0; frame <= 7; ++frame) {
+    evaluator.add(make_truth(frame, {make_instance(1, 3.0)}, 20.0), make_detection(frame, {}));
+  }
+  const SequenceScore score = evaluator.finish();
+  EXPECT_FALSE(score.frames[6].instances[0].settled);
+  EXPECT_TRUE(score.frames[7].instances[0].settled);
+}
+
 TEST(SettledRates, BeginWhereTheInstanceComesWithinEightMetres) {
   // From frame 0 at 7.9 m; within 5 m, where it counts, it is settled at once. What is farther than 8 m has not appeared.
   EXPECT_EQ(settled_frames({7.9, 7.9, 7.9, 7.9, 7.9, 7.9, 5.0, 5.1}, {0, 1, 2, 3, 4, 5, 6, 7}), "nnnnnnyn");
