@@ -107,7 +107,7 @@ struct FrameScore {
 
 /// One instance, min_depth_m deep, on one approach that comes nearer than event_range_m. An approach begins when the instance
 /// is present for the first time, or again after gone_s without being present.
-struct Event {
+struct ApproachEvent {
   int id = 0;
   int first_frame = 0;                      ///< where it appears
   double first_distance_m = 0.0;            ///< true distance there
@@ -133,7 +133,7 @@ struct SequenceScore {
   double duration_s = 0.0;         ///< frames times the median step of time
   std::optional<double> walked_m;  ///< length of the true path, which the head's bobbing does not lengthen; empty without poses
   std::vector<FrameScore> frames;
-  std::vector<Event> events;      ///< in order of their beginning; none where truth tells no distances
+  std::vector<ApproachEvent> events;  ///< in order of their beginning; none where truth tells no distances
   std::vector<Episode> episodes;  ///< in order of their beginning; empty, too, without poses: then nothing can be said of them
 };
 
@@ -154,7 +154,7 @@ class SequenceEvaluator {
  private:
   // An instance from where it appears to where it is gone.
   struct Approach {
-    Event event;
+    ApproachEvent event;
     bool is_event = false;  // deep enough, and its distance is known
     double start = 0.0;     // s
     double last_seen = 0.0;

@@ -44,7 +44,9 @@ void require_same_events(const SequenceScore& a, const SequenceScore& b) {
   if (a.events.size() != b.events.size()) {
     refuse(a.name + ": events", std::to_string(a.events.size()), std::to_string(b.events.size()));
   }
-  const auto describe = [](const Event& event) { return fmt::format("id {} from frame {}", event.id, event.first_frame); };
+  const auto describe = [](const ApproachEvent& event) {
+    return fmt::format("id {} from frame {}", event.id, event.first_frame);
+  };
   for (std::size_t i = 0; i < a.events.size(); ++i) {
     if (describe(a.events[i]) != describe(b.events[i])) {
       refuse(fmt::format("{}: event {}", a.name, i), describe(a.events[i]), describe(b.events[i]));

@@ -71,7 +71,7 @@ Pieces cut_into_pieces(const std::vector<SequenceScore>& sequences, int block_fr
   Pieces pieces;
   for (const SequenceScore& sequence : sequences) {
     std::ranges::move(cut_into_blocks(sequence, block_frames), std::back_inserter(pieces.blocks));
-    for (const Event& event : sequence.events) pieces.in_time.push_back(event.in_time);
+    for (const ApproachEvent& event : sequence.events) pieces.in_time.push_back(event.in_time);
   }
   return pieces;
 }

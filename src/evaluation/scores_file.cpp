@@ -75,7 +75,7 @@ void describe(auto& archive, IsA<FrameScore> auto& frame) {
   archive("fragments", frame.fragments);
 }
 
-void describe(auto& archive, IsA<Event> auto& event) {
+void describe(auto& archive, IsA<ApproachEvent> auto& event) {
   archive("id", event.id);
   archive("first_frame", event.first_frame);
   archive("first_distance_m", event.first_distance_m);

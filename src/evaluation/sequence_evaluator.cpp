@@ -56,6 +56,7 @@ std::vector<NegativeObstacle> select_near(std::vector<NegativeObstacle> obstacle
 
 std::vector<cv::Mat1b> fill_contours(const std::vector<NegativeObstacle>& obstacles, const cv::Size& size) {
   std::vector<cv::Mat1b> regions;
+  regions.reserve(obstacles.size());
   for (const NegativeObstacle& obstacle : obstacles) regions.push_back(fill_contour(obstacle.candidate.contour, size));
   return regions;
 }

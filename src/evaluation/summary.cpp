@@ -62,7 +62,7 @@ void summarise_events(EvaluationSummary& summary, const std::vector<SequenceScor
   std::vector<double> distances;
   std::vector<double> lead_times;
   for (const SequenceScore& sequence : sequences) {
-    for (const Event& event : sequence.events) {
+    for (const ApproachEvent& event : sequence.events) {
       ++summary.events;
       if (!event.warned_frame) ++summary.missed;
       if (event.warned_frame && !event.in_time) ++summary.late;

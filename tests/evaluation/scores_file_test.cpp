@@ -108,7 +108,7 @@ TEST(ScoresFile, HoldsAsManyFieldsAsTheStructuresHave) {
   EXPECT_EQ(json["params"].size(), test::count_fields<EvaluationParams>());
   const Json& sequence = json["sequences"][0];
   EXPECT_EQ(sequence.size(), test::count_fields<SequenceScore>());
-  EXPECT_EQ(sequence["events"][0].size(), test::count_fields<Event>());
+  EXPECT_EQ(sequence["events"][0].size(), test::count_fields<ApproachEvent>());
   EXPECT_EQ(sequence["episodes"][0].size(), test::count_fields<Episode>());
   EXPECT_EQ(sequence["frames"][0].size(), test::count_fields<FrameScore>());
   EXPECT_EQ(sequence["frames"][0]["instances"][0].size(), test::count_fields<InstanceScore>());

@@ -103,8 +103,8 @@ TEST(Summary, EndsTheLastBinAtTheRange) {
   EXPECT_EQ(bins[2].to_m, 2.5);
 }
 
-Event make_event(double warned_distance_m, double lead_time_s, bool in_time) {
-  Event event;
+ApproachEvent make_event(double warned_distance_m, double lead_time_s, bool in_time) {
+  ApproachEvent event;
   event.warned_frame = 0;
   event.warned_distance_m = warned_distance_m;
   event.lead_time_s = lead_time_s;
@@ -114,7 +114,7 @@ Event make_event(double warned_distance_m, double lead_time_s, bool in_time) {
 
 TEST(Summary, CountsEventsMissedAndLate) {
   SequenceScore sequence = make_sequence(10, 0, 0, 0);
-  sequence.events = {make_event(4.0, 3.0, true), make_event(2.0, 1.0, true), make_event(1.0, 0.5, false), Event{}};
+  sequence.events = {make_event(4.0, 3.0, true), make_event(2.0, 1.0, true), make_event(1.0, 0.5, false), ApproachEvent{}};
   const EvaluationSummary summary = summarise({sequence});
   EXPECT_EQ(summary.events, 4);
   EXPECT_EQ(summary.missed, 1);
