@@ -104,6 +104,9 @@ class PairReader {
     frame_ = position;
     return last_;
   }
+  [[nodiscard]] cv::Mat1f true_disparity(std::size_t position) const {
+    return truth_.read_disparity(static_cast<int>(position));
+  }
   [[nodiscard]] const StereoCamera& camera() const { return sequence_.camera(); }
   [[nodiscard]] cv::Mat3b picture(std::size_t position) const {
     const Frame frame = sequence_.read(static_cast<int>(position)).frame;
@@ -123,13 +126,12 @@ class PairReader {
 
 std::string explain(Kind kind, const Fault& fault, PairReader& reader) {
   const Detection& detection = reader.detection(fault.position);
-  const FrameTruth& truth = reader.truth(fault.position);
-  if (kind == Kind::miss) return explain_miss(truth, detection, fault.id, reader.camera());
+  if (kind == Kind::miss) return explain_miss(reader.truth(fault.position), detection, fault.id, reader.camera());
   const auto obstacle = std::find_if(detection.obstacles.begin(), detection.obstacles.end(),
                                      [&fault](const NegativeObstacle& one) { return one.id == fault.id; });
   const GroundPose& pose = detection.ground.pose;
   const GroundPlane plane = make_ground_plane(pose.height_m, pose.pitch_deg, pose.roll_deg, reader.camera());
-  return explain_false_alarm(truth, *obstacle, plane, reader.camera());
+  return explain_false_alarm(reader.true_disparity(fault.position), *obstacle, plane, reader.camera());
 }
 
 /// What was found while going through the faults of one kind.

@@ -107,7 +107,7 @@ TEST(DrawCandidates, MarksTypesByColour) {
 
 TEST(DrawObstacles, FillsThemAndWritesTheDistanceBeside) {
   Detection detection = seen_ground();
-  detection.obstacles = {{1, square(100, 100, 40), 1}};
+  detection.obstacles = {{1, square(100, 100, 40), 1, {}}};
   const cv::Mat3b picture = draw_obstacles(plain_frame(), detection);
   EXPECT_TRUE(is_red(picture(120, 120)));
   EXPECT_TRUE(touched(picture, {145, 100, 60, 40}));
@@ -116,7 +116,7 @@ TEST(DrawObstacles, FillsThemAndWritesTheDistanceBeside) {
 
 TEST(DrawObstacles, KeepsTheDistanceInsideThePicture) {
   Detection detection = seen_ground();
-  detection.obstacles = {{1, square(275, 195, 40), 1}};
+  detection.obstacles = {{1, square(275, 195, 40), 1, {}}};
   EXPECT_TRUE(touched(draw_obstacles(plain_frame(), detection), {215, 195, 55, 40}));
 }
 
@@ -124,7 +124,7 @@ TEST(Overlays, LeaveTheFrameAlone) {
   Frame frame = plain_frame();
   frame.left_color = cv::Mat3b(frame.left.size(), kPlain);
   Detection detection = seen_ground();
-  detection.obstacles = {{1, square(100, 100, 40), 1}};
+  detection.obstacles = {{1, square(100, 100, 40), 1, {}}};
   (void)draw_obstacles(frame, detection);
   EXPECT_FALSE(touched(frame.left_color, {0, 0, 320, 240}));
 }
@@ -142,7 +142,7 @@ TEST(Overlays, DrawTheSmallestPictures) {
   Frame frame = plain_frame();
   frame.left = cv::Mat1b(32, 32, uchar{0});
   Detection detection = seen_ground();
-  detection.obstacles = {{1, square(1, 1, 30), 1}};
+  detection.obstacles = {{1, square(1, 1, 30), 1, {}}};
   EXPECT_EQ(draw_obstacles(frame, detection).size(), cv::Size(32, 32));
   EXPECT_EQ(draw_ground(frame, detection).size(), cv::Size(32, 32));
 }

@@ -49,10 +49,15 @@ struct Counts {
 
 /// What the detections of one frame hit (evaluation.md, "Detection, per frame").
 struct FrameMatch {
-  std::vector<std::vector<int>> hits;  ///< for each detection, the ids that it hits, ascending
+  std::vector<std::vector<int>> hits;  ///< for each detection, the counted ids that it hits, ascending
   std::vector<bool> is_false;          ///< for each detection: counts as FP
-  int fragments = 0;                   ///< detections beyond the first on the same instance
+  int fragments = 0;                   ///< detections beyond the first on the same counted instance
 };
+/// A detection hits instance k if at least half of its pixels lie in k's mask dilated by a disc of radius dilation_px; or its
+/// IoU with k's mask is at least 0.25; or at least half of it lies in U, the union of the dilated masks of the counted
+/// instances, and it covers at least half of k's mask. It is an FP if it hits nothing, less than half of it lies in U, and less
+/// than half of it lies in the union of what is not labelled and the dilated masks that do not count. One without pixels is
+/// neither.
 /// @param regions one mask for each detection, of the size of `negative`, not 0 = inside.
 /// @param counted ids that count; every other id in `negative` is "don't care".
 /// @throws std::invalid_argument when sizes differ or dilation_px is negative.
@@ -62,21 +67,23 @@ FrameMatch match_frame(const cv::Mat1b& negative, const std::vector<cv::Mat1b>& 
 /// The filled contour of an obstacle. @return mask of `size`, 255 inside; parts outside of the picture are cut off.
 cv::Mat1b fill_contour(const std::vector<cv::Point>& contour, const cv::Size& size);
 
-/// One truth instance in one frame.
+/// One truth instance in one frame. It is *present* when min_visible_px of it are seen and its rim, if its distance is known,
+/// is within first_range_m.
 struct InstanceScore {
   int id = 0;
   int visible_px = 0;
   std::optional<double> distance_m;
-  bool raw = false;        ///< counts in the raw rates
-  bool settled = false;    ///< counts in the settled rates
-  bool reachable = false;  ///< a track that never misses could be validated by now
-  bool hit = false;        ///< at least one detection hits it
+  bool raw = false;          ///< counts in the raw rates: present, min_depth_m deep, within max_range_m; unknown = deep, near
+  bool settled = false;      ///< counts in the settled rates: raw, and settle_s or more after it appeared
+  bool reachable = false;    ///< present in the last validation_sightings frames: a track that never misses could be validated
+  bool hit = false;          ///< counts in the raw rates and at least one detection hits it, by the rules for that set
+  bool settled_hit = false;  ///< the same for the settled rates
 };
 
 /// One detection in one frame.
 struct DetectionScore {
   int id = 0;                               ///< of the obstacle
-  std::vector<int> hits;                    ///< ids of the instances that it hits, "don't care" ones included
+  std::vector<int> hits;                    ///< ids that it hits if all count, "don't care" ones too
   bool raw_false = false;                   ///< FP in the raw rates
   bool settled_false = false;               ///< FP in the settled rates
   double distance_m = 0.0;                  ///< as it claims
@@ -92,25 +99,27 @@ struct FrameScore {
   FrameStatus status = FrameStatus::ok;
   GroundState ground = GroundState::not_visible;
   std::vector<InstanceScore> instances;
-  std::vector<DetectionScore> detections;
-  int fragments = 0;
+  std::vector<DetectionScore> detections;  ///< the obstacles within max_range_m
+  int fragments = 0;                       ///< of the raw rates
   [[nodiscard]] Counts raw() const;
   [[nodiscard]] Counts settled() const;
 };
 
-/// One instance on one approach that comes nearer than event_range_m.
-struct Event {
+/// One instance, min_depth_m deep, on one approach that comes nearer than event_range_m. An approach begins when the instance
+/// is present for the first time, or again after gone_s without being present.
+struct ApproachEvent {
   int id = 0;
   int first_frame = 0;                      ///< where it appears
   double first_distance_m = 0.0;            ///< true distance there
   double nearest_m = 0.0;                   ///< smallest true distance of the approach
   std::optional<int> warned_frame;          ///< first frame in which a detection hits it; empty = missed
   std::optional<double> warned_distance_m;  ///< true distance there
-  std::optional<double> lead_time_s;        ///< from there to the smallest distance
-  bool in_time = false;
+  std::optional<double> lead_time_s;        ///< from there to the smallest distance; 0 when that lies before
+  bool in_time = false;  ///< warned_distance_m >= warn_range_m, or first_distance_m below that and warned within warn_delay_s
 };
 
-/// False detections at the same place on the ground, whatever their ids.
+/// False detections (of the settled rates) at the same place, whatever their ids: each joins the episode whose last place is
+/// nearest, within episode_radius_m, among those that are no older than episode_gap_s.
 struct Episode {
   int first_frame = 0;
   int last_frame = 0;
@@ -122,40 +131,57 @@ struct Episode {
 struct SequenceScore {
   std::string name;
   double duration_s = 0.0;         ///< frames times the median step of time
-  std::optional<double> walked_m;  ///< length of the true path; empty without poses
+  std::optional<double> walked_m;  ///< length of the true path, which the head's bobbing does not lengthen; empty without poses
   std::vector<FrameScore> frames;
-  std::vector<Event> events;
-  std::vector<Episode> episodes;  ///< empty, too, without poses: then nothing can be said of them
+  std::vector<ApproachEvent> events;  ///< in order of their beginning; none where truth tells no distances
+  std::vector<Episode> episodes;  ///< in order of their beginning; empty, too, without poses: then nothing can be said of them
 };
 
 /// Goes through one sequence, frame by frame in order of time, with its truth beside it.
 class SequenceEvaluator {
  public:
   /// @throws std::invalid_argument when the parameters are not valid.
-  SequenceEvaluator(std::string name, const EvaluationParams& params = {});
+  explicit SequenceEvaluator(std::string name, const EvaluationParams& params = {});
 
-  /// @throws std::invalid_argument when the frame numbers differ, times do not increase, or an obstacle's contour leaves the
-  ///         picture: those are detections of something else.
+  /// @throws std::invalid_argument when the frame numbers differ, frames or times do not increase, or an obstacle's contour
+  /// leaves
+  ///         the picture: those are detections of something else.
   void add(const FrameTruth& truth, const Detection& detection);
 
   /// The score of all frames so far.
   [[nodiscard]] SequenceScore finish() const;
 
  private:
-  struct Appearance {
-    double start = 0.0;      // s
-    double last_seen = 0.0;  // s
-    int sightings = 0;       // frames in a row
-    std::size_t approach = 0;
+  // An instance from where it appears to where it is gone.
+  struct Approach {
+    ApproachEvent event;
+    bool is_event = false;  // deep enough, and its distance is known
+    double start = 0.0;     // s
+    double last_seen = 0.0;
+    double nearest_time = 0.0;
+    double warned_time = 0.0;
+    std::size_t last_index = 0;  // of the frame in which it was seen last
+    int sightings = 0;           // frames in a row up to that
   };
-  struct Approach;
+  // What one detection hits, by the rules.
+  struct Judgement {
+    std::vector<int> hits;
+    bool raw_false = false;
+    bool settled_false = false;
+  };
+  Approach& follow(const VisibleInstance& instance, int frame, double time);
+  InstanceScore score_instance(const VisibleInstance& instance, const FrameTruth& truth);
+  DetectionScore score_detection(const NegativeObstacle& obstacle, const Judgement& judgement, const FrameTruth& truth);
+  void note_warnings(const FrameTruth& truth, const FrameMatch& match);
+  void note_false_alarm(DetectionScore& detection, const Eigen::Vector3d& place, const FrameTruth& truth);
+
   EvaluationParams params_;
   SequenceScore score_;
-  std::map<int, Appearance> appearances_;   // by id
-  std::vector<Event> approaches_;           // those that do not come near enough are left out at the end
-  std::vector<double> nearest_times_;       // of approaches_: when they were nearest
-  std::vector<double> warned_times_;        // of approaches_
-  std::vector<Eigen::Vector3d> positions_;  // of the camera, world
+  std::vector<Approach> approaches_;            // in order of their beginning
+  std::map<int, std::size_t> latest_approach_;  // by id, index in approaches_
+  std::vector<double> episode_times_;           // s, when each of the episodes was last seen
+  std::vector<double> position_times_;          // s
+  std::vector<Eigen::Vector3d> positions_;      // of the camera at those times, world, m
 };
 
 /// A figure with its 95 % interval.
@@ -222,13 +248,15 @@ struct Comparison {
 std::vector<Comparison> compare(const std::vector<SequenceScore>& a, const std::vector<SequenceScore>& b,
                                 const EvaluationParams& params = {});
 
-/// Scores as JSON, whole, so that they can be compared later.
+/// Scores as JSON, whole, so that they can be compared later. Reading gives back the same numbers, bit by bit.
 std::string to_json(const std::vector<SequenceScore>& sequences, const EvaluationParams& params);
-/// @throws std::runtime_error "name: ..." when the text is not what to_json writes. @param name of the file, for the message.
+
+/// What to_json wrote.
 struct StoredScores {
   std::vector<SequenceScore> sequences;
   EvaluationParams params;
 };
+/// @throws std::runtime_error "path: field = value, expected ..." when the file is not what to_json writes, in one line.
 StoredScores read_scores(const std::string& path);
 
 /// Disparities against their truth, over the pixels of known truth (Middlebury, KITTI).

@@ -64,10 +64,10 @@ class CocoWriter {
 /// not reported", "overlap too small", "nothing there" ...
 std::string explain_miss(const FrameTruth& truth, const Detection& detection, int id, const StereoCamera& camera);
 
-/// What a false detection lies on, by the true disparities: its type and whether most of its inside stands above the ground, is
-/// ground or lies below it.
+/// What a false detection lies on: its type and whether most of its inside stands above the ground, is ground or lies below it.
+/// @param disparity the true one, px, kInvalidDisparity = none; empty = nothing is known, and the type alone is told.
 /// @param ground the estimated plane, which "above" and "below" refer to.
-std::string explain_false_alarm(const FrameTruth& truth, const NegativeObstacle& obstacle, const GroundPlane& ground,
+std::string explain_false_alarm(const cv::Mat1f& disparity, const NegativeObstacle& obstacle, const GroundPlane& ground,
                                 const StereoCamera& camera);
 
 /// One frame with its truth and its detections: instances that count yellow, "don't care" grey, hits green, false detections

@@ -18,11 +18,6 @@ cv::Mat read_picture(const std::string& path);
 /// @throws std::runtime_error as read_picture does, and for more channels.
 cv::Mat1b read_mask(const std::string& path);
 
-/// Reads a disparity file in either of the formats below, told apart by its first bytes.
-/// @return px, kInvalidDisparity = none.
-/// @throws std::runtime_error "path: ..." when it is missing, truncated or not such a file.
-cv::Mat1f read_disparity(const std::string& path);
-
 /// The bytes of a PNG file.
 std::string encode_png(const cv::Mat& picture);
 
@@ -38,5 +33,11 @@ DisparityFormat disparity_format(const std::string& path);
 /// The bytes of a disparity file. @param disparity px, kInvalidDisparity = none.
 /// @throws std::runtime_error when it is empty, or when a disparity does not fit a PNG (more than 255.99 px).
 std::string encode_disparity(const cv::Mat1f& disparity, DisparityFormat format);
+
+/// Reads what encode_disparity made, or others in these formats: the extension tells which.
+/// @return px, kInvalidDisparity = none: 0 in a PNG; what is negative or not finite in a PFM.
+/// @throws std::runtime_error "path: what it is, expected ..." when it is missing, truncated, damaged or something else.
+/// @throws std::invalid_argument as disparity_format does.
+cv::Mat1f read_disparity(const std::string& path);
 
 }  // namespace brink

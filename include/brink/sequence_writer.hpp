@@ -17,7 +17,7 @@ struct InstanceTruth {
   int id = 0;
   std::string type;
   double depth_m = 0.0;
-  std::vector<Eigen::Vector3d> opening;  ///< rim polygon; world = left camera of frame 0
+  std::vector<Eigen::Vector3d> opening;  ///< rim polygon; world = left camera of frame 0; empty = not known
 };
 
 /// What to do when there is something at the place of a new sequence.

@@ -18,6 +18,7 @@ struct Trajectory {
 /// columns. Lines that begin with # and empty ones are left out.
 /// @throws std::runtime_error "file: line n ..." when a line is neither, mixes both, or is not a motion (NaN, a rotation matrix
 ///         that is none beyond 1e-3, a zero quaternion, times that do not increase), and when there is no pose at all.
+///         Rotations within these limits are made exact ones.
 Trajectory read_trajectory(const std::string& path);
 
 /// The text of a trajectory in KITTI's format. Nine decimals.
@@ -25,7 +26,7 @@ std::string to_kitti(const Trajectory& trajectory);
 /// The text in TUM's format. @throws std::invalid_argument when it has no times.
 std::string to_tum(const Trajectory& trajectory);
 
-/// A mean with its standard deviation.
+/// A mean with the standard deviation around it.
 struct MeanAndDeviation {
   double mean = 0.0;
   double deviation = 0.0;
@@ -40,12 +41,13 @@ struct TrajectoryErrors {
   MeanAndDeviation translation_m;       ///< of the accumulated pose
   MeanAndDeviation step_rotation;       ///< of the motion from frame to frame
   MeanAndDeviation step_translation_m;  ///< of the motion from frame to frame
-  // KITTI's, over all segments of segment_m; empty when the path is shorter.
+  // KITTI's: mean over all segments of segment_m of what the motion along one is off, by its true length; empty when the path
+  // is shorter.
   std::optional<double> segment_translation_percent;
   std::optional<double> segment_rotation_deg_per_m;
   int segments = 0;
-  double end_error_percent = 0.0;  ///< of the last position, of the path's length
-  double ate_rmse_m = 0.0;         ///< absolute trajectory error: positions after the best rigid alignment (Umeyama, no scale)
+  std::optional<double> end_error_percent;  ///< of the last position, of the path's length; empty when nothing moves
+  double ate_rmse_m = 0.0;  ///< absolute trajectory error: positions after the best rigid alignment (Umeyama, no scale)
 };
 
 /// Compares two trajectories of the same frames.

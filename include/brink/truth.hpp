@@ -28,7 +28,6 @@ struct FrameTruth {
   int frame = 0;
   double time = 0.0;                                   ///< s
   cv::Mat1b negative;                                  ///< id of the negative obstacle seen, 0 = none, 255 = not labelled
-  cv::Mat1f disparity;                                 ///< px, 0 = none; empty when the sequence has no disparity/
   std::vector<VisibleInstance> instances;              ///< those with at least one pixel in `negative`, ascending id
   std::optional<Eigen::Isometry3d> world_from_camera;  ///< world = left camera of frame 0
 };
@@ -52,10 +51,14 @@ class SequenceTruth {
   /// @param position 0 .. size() - 1. @throws std::out_of_range otherwise, std::runtime_error "file: ..." when a picture
   ///        cannot be read, is not one of 8 bit, holds an id that instances.yaml lacks, or differs in size from the others.
   [[nodiscard]] FrameTruth read(int position) const;
+  /// True disparities, px, kInvalidDisparity = none; empty when the sequence has no disparity/. Errors as for read.
+  [[nodiscard]] cv::Mat1f read_disparity(int position) const;
 
  private:
   std::string folder_;
   std::vector<int> frames_;
+  std::vector<std::string> masks_;        // paths, by position
+  std::vector<std::string> disparities_;  // paths, by position; empty without disparity/
   std::vector<double> times_;             // by frame number; empty = the number itself
   std::vector<Eigen::Isometry3d> poses_;  // by frame number; empty = unknown
   std::vector<InstanceTruth> instances_;  // empty when there is no instances.yaml
@@ -71,10 +74,9 @@ struct RimSighting {
   double bearing_deg = 0.0;
   bool visible = false;  ///< false: no point of the rim is in view, and the nearest one at all is told
 };
-/// @param opening polygon in the left camera's frame, m, at least 3 points. @param disparity truth, px, 0 = none; empty =
-/// nothing
-///        is known to stand in front.
-/// @throws std::invalid_argument when the polygon has no plane.
+/// @param opening polygon in the left camera's frame, m, at least 3 points. @param disparity truth, px, <= 0 =
+///        none; empty = nothing is known to stand in front.
+/// @throws std::invalid_argument when the polygon has no plane or the disparity is not of that size.
 RimSighting find_nearest_rim(const std::vector<Eigen::Vector3d>& opening, const StereoCamera& camera, const cv::Size& size,
                              const cv::Mat1f& disparity);
 

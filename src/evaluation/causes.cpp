@@ -52,13 +52,13 @@ std::string explain_miss(const FrameTruth& truth, const Detection& detection, in
   return detection.ground.state == GroundState::uncertain ? "no region, ground uncertain" : "no region";
 }
 
-std::string explain_false_alarm(const FrameTruth& truth, const NegativeObstacle& obstacle, const GroundPlane& ground,
+std::string explain_false_alarm(const cv::Mat1f& disparity, const NegativeObstacle& obstacle, const GroundPlane& ground,
                                 const StereoCamera& camera) {
   constexpr double kLevel = 0.10;  // m: what counts as ground, as T_g
   const std::string type = to_string(obstacle.candidate.type);
-  if (truth.disparity.empty()) return type;
-  const cv::Mat1b region = fill_contour(obstacle.candidate.contour, truth.disparity.size());
-  const cv::Mat1f elevation = compute_elevation(truth.disparity, ground, camera);
+  if (disparity.empty()) return type;
+  const cv::Mat1b region = fill_contour(obstacle.candidate.contour, disparity.size());
+  const cv::Mat1f elevation = compute_elevation(disparity, ground, camera);
   std::array<int, 3> pixels{};  // above, level, below
   for (int v = 0; v < region.rows; ++v) {
     for (int u = 0; u < region.cols; ++u) {

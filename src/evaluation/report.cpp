@@ -121,8 +121,8 @@ std::string to_text(const TrajectoryErrors& errors) {
                       plus_minus(errors.step_translation_m));
   text += fmt::format("Segments: {}; translation {} %, rotation {} deg/m\n", errors.segments,
                       number(errors.segment_translation_percent, 4), number(errors.segment_rotation_deg_per_m, 5));
-  return text + fmt::format("End error: {:.4f} % of the path; absolute trajectory error: {:.4f} m RMSE\n",
-                            errors.end_error_percent, errors.ate_rmse_m);
+  return text + fmt::format("End error: {} % of the path; absolute trajectory error: {:.4f} m RMSE\n",
+                            number(errors.end_error_percent, 4), errors.ate_rmse_m);
 }
 
 std::string to_text(const DisparityErrors& errors) {

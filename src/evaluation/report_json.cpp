@@ -115,7 +115,7 @@ std::string to_json(const TrajectoryErrors& errors) {
         {{"count", errors.segments},
          {"translation_percent", number(errors.segment_translation_percent)},
          {"rotation_deg_per_m", number(errors.segment_rotation_deg_per_m)}}},
-       {"end_error_percent", errors.end_error_percent},
+       {"end_error_percent", number(errors.end_error_percent)},
        {"ate_rmse_m", errors.ate_rmse_m}});
 }
 

@@ -15,6 +15,7 @@ constexpr int kMetreDigits = 4;
 constexpr int kDegreeDigits = 3;
 constexpr int kTimeDigits = 6;  // of seconds
 constexpr int kMillisecondDigits = 3;
+constexpr int kShareDigits = 3;  // of what lies in 0..1
 
 // The nearest decimal number of so many digits after the dot; null when there is none.
 Json rounded(double value, int digits) {
@@ -33,7 +34,7 @@ Json point(const Eigen::Vector3d& position) {
 Json ground(const GroundEstimate& estimate) {
   Json json = {{"state", to_string(estimate.state)}};
   if (!estimate.reason.empty()) json["reason"] = estimate.reason;
-  json["confidence"] = rounded(estimate.confidence, 3);
+  json["confidence"] = rounded(estimate.confidence, kShareDigits);
   const bool known = estimate.plane.has_value();
   json["height_m"] = known ? rounded(estimate.pose.height_m, kMetreDigits) : Json();
   json["pitch_deg"] = known ? rounded(estimate.pose.pitch_deg, kDegreeDigits) : Json();
@@ -58,20 +59,22 @@ Json contour_corners(const std::vector<cv::Point>& chain) {
 
 Json obstacle(const NegativeObstacle& obstacle) {
   const Candidate& candidate = obstacle.candidate;
-  return {{"id", obstacle.id},
-          {"type", to_string(candidate.type)},
-          {"evidence", evidence(candidate.type)},
-          {"kind", "unknown"},
-          {"rim_nearest", point(candidate.rim_nearest)},
-          {"distance_m", rounded(candidate.distance_m, kMetreDigits)},
-          {"bearing_deg", rounded(candidate.bearing_deg, kDegreeDigits)},
-          {"nearest", point(candidate.nearest)},
-          {"centroid", point(candidate.centroid)},
-          {"depth_m", candidate.depth_m ? rounded(*candidate.depth_m, kMetreDigits) : Json()},
-          {"width_m", rounded(candidate.width_m, kMetreDigits)},
-          {"area_px", candidate.area_px},
-          {"contour", contour_corners(candidate.contour)},
-          {"track_length", obstacle.track_length}};
+  Json json = {{"id", obstacle.id},
+               {"type", to_string(candidate.type)},
+               {"evidence", evidence(candidate.type)},
+               {"kind", "unknown"},
+               {"rim_nearest", point(candidate.rim_nearest)},
+               {"distance_m", rounded(candidate.distance_m, kMetreDigits)},
+               {"bearing_deg", rounded(candidate.bearing_deg, kDegreeDigits)},
+               {"nearest", point(candidate.nearest)},
+               {"centroid", point(candidate.centroid)},
+               {"depth_m", candidate.depth_m ? rounded(*candidate.depth_m, kMetreDigits) : Json()},
+               {"width_m", rounded(candidate.width_m, kMetreDigits)},
+               {"area_px", candidate.area_px},
+               {"contour", contour_corners(candidate.contour)},
+               {"track_length", obstacle.track_length}};
+  if (obstacle.probability) json["probability"] = rounded(*obstacle.probability, kShareDigits);
+  return json;
 }
 
 Json obstacles(const std::vector<NegativeObstacle>& list) {

@@ -1,11 +1,13 @@
 #include "brink/pictures.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <sstream>
 #include <stdexcept>
 #include <vector>
 
@@ -19,32 +21,80 @@
 namespace brink {
 namespace {
 
-constexpr int kBits = 8;
-constexpr int kDisparityBits = 16;
-
-cv::Mat to_bytes(const std::string& bytes) {
-  return {1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data())};  // only read
-}
-
-cv::Mat decode(const PictureHeader& header, int bits) {
+void check_size(const PictureHeader& header) {
   if (header.width < 1 || header.height < 1) {
     throw std::runtime_error(fmt::format("is damaged: {}x{} px", header.width, header.height));
   }
-  if (bits == kBits ? header.bits > bits : header.bits != bits) {
-    throw std::runtime_error(fmt::format("is a {}-bit picture, expected {}-bit", header.bits, bits));
-  }
-  if (header.channels != 1 && header.channels != 3) {
-    throw std::runtime_error(fmt::format("has {} channels, expected 1 (grey) or 3 (colour)", header.channels));
-  }
-  const int mode = (header.channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR) | (bits > kBits ? cv::IMREAD_ANYDEPTH : 0);
+}
+
+cv::Mat decode_bytes(const PictureHeader& header, int mode) {
+  const cv::Mat1b bytes(1, static_cast<int>(header.bytes.size()),
+                        const_cast<uchar*>(reinterpret_cast<const uchar*>(header.bytes.data())));  // only read
   cv::Mat picture;
   try {
-    picture = cv::imdecode(to_bytes(header.bytes), mode | cv::IMREAD_IGNORE_ORIENTATION);
+    picture = cv::imdecode(bytes, mode | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception& error) {
     throw std::runtime_error(fmt::format("of {}x{} px cannot be decoded: {}", header.width, header.height, error.err));
   }
   if (picture.empty()) throw std::runtime_error("is damaged, cannot be decoded");
   return picture;
+}
+
+cv::Mat decode(const PictureHeader& header) {
+  constexpr int kBits = 8;
+  check_size(header);
+  if (header.bits > kBits) throw std::runtime_error(fmt::format("is a {}-bit picture, expected 8-bit", header.bits));
+  if (header.channels != 1 && header.channels != 3) {
+    throw std::runtime_error(fmt::format("has {} channels, expected 1 (grey) or 3 (colour)", header.channels));
+  }
+  return decode_bytes(header, header.channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
+}
+
+cv::Mat1f decode_disparity_png(const std::string& bytes) {
+  constexpr int kBits = 16;
+  constexpr double kScale = 256.0;
+  const PictureHeader header = examine_picture(bytes);
+  check_size(header);
+  if (header.bits != kBits || header.channels != 1) {
+    throw std::runtime_error(fmt::format("is a {}-bit picture of {} channels, expected 16-bit grey: disparity times 256",
+                                         header.bits, header.channels));
+  }
+  const cv::Mat stored = decode_bytes(header, cv::IMREAD_UNCHANGED);
+  cv::Mat1f disparity;
+  stored.convertTo(disparity, CV_32F, 1.0 / kScale);
+  disparity.setTo(kInvalidDisparity, stored == 0);
+  return disparity;
+}
+
+/// "Pf", columns, rows, scale (negative = little endian), then floats from the bottom row up.
+cv::Mat1f decode_pfm(const std::string& bytes) {
+  std::istringstream header(bytes);
+  std::string kind;
+  int columns = 0;
+  int rows = 0;
+  double scale = 0.0;
+  if (!(header >> kind >> columns >> rows >> scale) || kind != "Pf" || columns < 1 || rows < 1 || scale == 0.0) {
+    throw std::runtime_error("is no grey PFM picture, expected Pf, columns, rows, scale");
+  }
+  const bool ended = header.get() == std::istringstream::traits_type::eof();  // one white space ends the header
+  const std::size_t start = ended ? bytes.size() : static_cast<std::size_t>(header.tellg());
+  const std::size_t row_bytes = static_cast<std::size_t>(columns) * sizeof(float);
+  if ((bytes.size() - start) / row_bytes < static_cast<std::size_t>(rows)) {
+    throw std::runtime_error(fmt::format("is a truncated PFM picture of {}x{} px, expected a whole one", columns, rows));
+  }
+  cv::Mat1f disparity(rows, columns);
+  const bool swapped = (scale < 0.0) != (std::endian::native == std::endian::little);
+  for (int v = 0; v < rows; ++v) {
+    const char* from = bytes.data() + start + static_cast<std::size_t>(rows - 1 - v) * row_bytes;
+    for (int u = 0; u < columns; ++u, from += sizeof(float)) {
+      std::array<char, sizeof(float)> number{};
+      std::copy_n(from, number.size(), number.begin());
+      if (swapped) std::ranges::reverse(number);
+      const auto value = std::bit_cast<float>(number);
+      disparity(v, u) = std::isfinite(value) && value >= 0.0F ? value : kInvalidDisparity;
+    }
+  }
+  return disparity;
 }
 
 // Not by cv::imencode: that writes PFM to a temporary file, and returns what fitted when the disk is full.
@@ -59,62 +109,21 @@ std::string encode_pfm(const cv::Mat1f& disparity) {
   return bytes;
 }
 
-// A PNG in KITTI's convention: disparity times 256, 0 = none.
-cv::Mat1f decode_disparity_png(const std::string& bytes) {
-  const PictureHeader header = examine_picture(bytes);
-  if (header.channels != 1) throw std::runtime_error(fmt::format("has {} channels, expected 1", header.channels));
-  cv::Mat1f disparity;
-  constexpr double kScale = 256.0;
-  decode(header, kDisparityBits).convertTo(disparity, CV_32F, 1.0 / kScale);
-  disparity.setTo(kInvalidDisparity, disparity == 0.0F);
-  return disparity;
-}
+}  // namespace
 
-// A PFM in Middlebury's convention: infinity = none.
-cv::Mat1f decode_pfm(const std::string& bytes) {
-  cv::Mat disparity;
-  try {
-    disparity = cv::imdecode(to_bytes(bytes), cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    throw std::runtime_error("is a damaged or truncated PFM picture");
-  }
-  if (disparity.empty()) throw std::runtime_error("is a damaged or truncated PFM picture");
-  if (disparity.type() != CV_32FC1) throw std::runtime_error("is a PFM picture of 3 channels, expected 1");
-  for (float& value : cv::Mat1f(disparity)) {
-    if (!(value >= 0.0F && value < std::numeric_limits<float>::infinity())) value = kInvalidDisparity;
-  }
-  return disparity;
-}
-
-// Runs a decoder over a file; its faults get the file's name.
-template <typename Decoder>
-auto decode_file(const std::string& path, const Decoder& decoder) {
+cv::Mat read_picture(const std::string& path) {
   const std::string bytes = read_file(path);
   try {
-    return decoder(bytes);
+    return decode(examine_picture(bytes));
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("{}: {}", path, error.what()));
   }
 }
 
-}  // namespace
-
-cv::Mat read_picture(const std::string& path) {
-  return decode_file(path, [](const std::string& bytes) { return decode(examine_picture(bytes), kBits); });
-}
-
 cv::Mat1b read_mask(const std::string& path) {
-  const cv::Mat picture = read_picture(path);
-  if (picture.channels() != 1) {
-    throw std::runtime_error(fmt::format("{}: has {} channels, expected 1", path, picture.channels()));
-  }
-  return picture;
-}
-
-cv::Mat1f read_disparity(const std::string& path) {
-  return decode_file(path, [](const std::string& bytes) {
-    return bytes.starts_with("Pf") || bytes.starts_with("PF") ? decode_pfm(bytes) : decode_disparity_png(bytes);
-  });
+  cv::Mat mask = read_picture(path);
+  if (mask.channels() == 1) return mask;
+  throw std::runtime_error(path + ": is a colour picture, expected grey: a number for each pixel");
 }
 
 std::string encode_png(const cv::Mat& picture) {
@@ -150,6 +159,16 @@ std::string encode_disparity(const cv::Mat1f& disparity, DisparityFormat format)
     }
   }
   return encode_png(stored);
+}
+
+cv::Mat1f read_disparity(const std::string& path) {
+  const DisparityFormat format = disparity_format(path);
+  const std::string bytes = read_file(path);
+  try {
+    return format == DisparityFormat::png ? decode_disparity_png(bytes) : decode_pfm(bytes);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("{}: {}", path, error.what()));
+  }
 }
 
 }  // namespace brink

@@ -1,55 +1,22 @@
 #include "brink/sequence.hpp"
 
 #include <algorithm>
-#include <cctype>
-#include <exception>
 #include <filesystem>
-#include <map>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "brink/calibration.hpp"
-#include "brink/files.hpp"
 #include "brink/pictures.hpp"
-#include "io/text.hpp"
+#include "io/sequence_files.hpp"
 
 namespace brink {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr int kMaxGap = 1000;  // more missing numbers in a row are no gap but another numbering
-
-bool is_picture_name(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  const bool hidden = path.filename().string().starts_with('.');
-  return !hidden && (extension == ".png" || extension == ".jpg" || extension == ".jpeg");
-}
-
-// The pictures of one eye by their number.
-std::map<int, std::string> list_pictures(const fs::path& folder) {
-  std::map<int, std::string> pictures;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    const fs::path& path = entry.path();
-    if (!is_picture_name(path)) continue;
-    const std::optional<int> number = parse_number<int>(path.stem().string());
-    if (!number || *number < 0) {
-      throw std::runtime_error(fmt::format("{}: name is not a frame number, expected one like 000012.png", path.string()));
-    }
-    const auto [known, is_new] = pictures.emplace(*number, path.string());
-    if (!is_new) {
-      throw std::runtime_error(fmt::format("{}: frame {} has another picture, {}", path.string(), *number, known->second));
-    }
-  }
-  if (error) throw std::runtime_error(fmt::format("{}: cannot be read: {}", folder.string(), error.message()));
-  return pictures;
-}
 
 void check_gaps(const fs::path& folder, const std::vector<int>& numbers) {
   for (std::size_t i = 1; i < numbers.size(); ++i) {
@@ -61,7 +28,7 @@ void check_gaps(const fs::path& folder, const std::vector<int>& numbers) {
 }
 
 // Numbers of both eyes, ascending, each once.
-std::vector<int> numbers_of(const std::map<int, std::string>& left, const std::map<int, std::string>& right) {
+std::vector<int> numbers_of(const NumberedFiles& left, const NumberedFiles& right) {
   std::vector<int> numbers;
   numbers.reserve(left.size() + right.size());
   for (const auto& picture : left) numbers.push_back(picture.first);
@@ -71,49 +38,8 @@ std::vector<int> numbers_of(const std::map<int, std::string>& left, const std::m
   return numbers;
 }
 
-// Seconds, one line per frame number from 0; empty without the file.
-std::vector<double> read_times(const fs::path& path, int last_number) {
-  std::error_code error;
-  if (!fs::exists(path, error)) return {};
-  std::vector<double> times;
-  std::istringstream lines(read_file(path.string()));
-  for (std::string line; std::getline(lines, line);) {
-    if (trimmed(line).empty()) continue;
-    const std::optional<double> time = parse_number(trimmed(line));
-    const std::size_t number = times.size() + 1;
-    if (!time)
-      throw std::runtime_error(fmt::format("{}: time {} = {}, expected seconds", path.string(), number, trimmed(line)));
-    if (!times.empty() && *time < times.back()) {
-      throw std::runtime_error(
-          fmt::format("{}: time {} = {}, expected at least the one before, {}", path.string(), number, *time, times.back()));
-    }
-    times.push_back(*time);
-  }
-  if (times.size() <= static_cast<std::size_t>(last_number)) {
-    throw std::runtime_error(
-        fmt::format("{}: has {} times, expected one for each frame from 0 to {}", path.string(), times.size(), last_number));
-  }
-  return times;
-}
-
-struct Eyes {
-  fs::path left;
-  fs::path right;
-  CameraPair cameras = CameraPair::color;
-};
-
-Eyes find_eyes(const fs::path& folder) {
-  for (const Eyes& eyes : {Eyes{folder / "image_2", folder / "image_3", CameraPair::color},
-                           Eyes{folder / "image_0", folder / "image_1", CameraPair::grey}}) {
-    std::error_code error;
-    if (fs::is_directory(eyes.left, error) && fs::is_directory(eyes.right, error)) return eyes;
-  }
-  throw std::runtime_error(fmt::format(
-      "{}: no pictures, expected folders image_2 and image_3 (colour) or image_0 and image_1 (grey)", folder.string()));
-}
-
 // A missing picture gets the name that it would have.
-std::string picture_or_expected(const std::map<int, std::string>& pictures, const fs::path& folder, int number) {
+std::string picture_or_expected(const NumberedFiles& pictures, const fs::path& folder, int number) {
   const auto found = pictures.find(number);
   return found != pictures.end() ? found->second : (folder / fmt::format("{:06}.png", number)).string();
 }
@@ -150,10 +76,15 @@ FrameReading Sequence::read(int position) const {
 Sequence open_sequence(const std::string& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) throw std::runtime_error(folder + ": no such folder");
-  const Eyes eyes = find_eyes(folder);
+  const std::optional<Eyes> found = find_eyes(folder);
+  if (!found) {
+    throw std::runtime_error(folder +
+                             ": no pictures, expected folders image_2 and image_3 (colour) or image_0 and image_1 (grey)");
+  }
+  const Eyes& eyes = *found;
   const StereoCalibration calibration = read_calibration((fs::path(folder) / "calib.txt").string(), eyes.cameras);
-  const auto left = list_pictures(eyes.left);
-  const auto right = list_pictures(eyes.right);
+  const NumberedFiles left = list_pictures(eyes.left);
+  const NumberedFiles right = list_pictures(eyes.right);
   const std::vector<int> numbers = numbers_of(left, right);
   if (numbers.empty()) throw std::runtime_error(eyes.left.string() + ": holds no PNG or JPEG pictures");
   check_gaps(eyes.left, numbers);

@@ -12,6 +12,7 @@
 #include "brink/disparity.hpp"
 #include "brink/files.hpp"
 #include "brink/pictures.hpp"
+#include "brink/trajectory.hpp"
 
 namespace brink {
 namespace fs = std::filesystem;
@@ -167,15 +168,7 @@ void SequenceWriter::write_times(const std::vector<double>& times) const {
 }
 
 void SequenceWriter::write_poses(const std::vector<Eigen::Isometry3d>& world_from_camera) const {
-  std::string text;
-  for (const Eigen::Isometry3d& pose : world_from_camera) {
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 4; ++column) {
-        text += fmt::format("{:.9f}{}", pose(row, column), row == 2 && column == 3 ? '\n' : ' ');
-      }
-    }
-  }
-  write_file(path_of("poses.txt"), text);
+  write_file(path_of("poses.txt"), to_kitti({{}, world_from_camera}));
 }
 
 void SequenceWriter::write_imu(const std::vector<ImuSample>& samples) const {

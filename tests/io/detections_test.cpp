@@ -1,10 +1,17 @@
 #include "brink/detections.hpp"
 
 #include <limits>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include "brink/sequence.hpp"
+#include "expect_error.hpp"
+#include "temporary_folder.hpp"
+#include "test_data.hpp"
 
 namespace brink {
 namespace {
@@ -140,6 +147,203 @@ TEST(JsonLine, HoldsNoNanWhateverTheDetectionHolds) {
 TEST(JsonLine, StaysJsonWhenAFileNameIsNoUtf8) {
   const std::string line = to_json_line(make_failed_detection(0, 0.0, FrameStatus::bad_frame, "\xff.png \"x\"\n"));
   EXPECT_EQ(Json::parse(line)["reason"], "\xEF\xBF\xBD.png \"x\"\n");  // U+FFFD for the byte
+}
+
+TEST(JsonLine, TellsAProbabilityThatIsKnown) {
+  Detection detection = example();
+  EXPECT_FALSE(Json::parse(to_json_line(detection))["obstacles"][0].contains("probability"));
+  detection.obstacles[0].probability = 0.97049;
+  EXPECT_EQ(Json::parse(to_json_line(detection))["obstacles"][0]["probability"], 0.97);
+}
+
+// One line of every kind of content.
+std::string rich_text() {
+  Detection seen = example();
+  seen.obstacles[0].probability = 0.25;
+  seen.tracks = {example_obstacle(), example_obstacle()};
+  seen.tracks[1].candidate.type = CandidateType::no_disparity;
+  seen.tracks[1].candidate.depth_m.reset();
+  seen.tracks[1].candidate.contour = {{7, 8}};
+  Candidate black;
+  black.type = CandidateType::no_disparity;
+  black.rejection = Rejection{"black", 31.25, 20.0};
+  black.centroid = {0.1, -0.2, 3.0};
+  black.contour_3d = {black.centroid};
+  Candidate bare;
+  bare.area_px = 40;
+  bare.rejection = Rejection{"contour", 0.0, 1.0};
+  seen.rejected = {black, bare};
+  Detection uncertain = example();
+  uncertain.frame = 14;
+  uncertain.ground.state = GroundState::uncertain;
+  uncertain.ground.reason = "only 3 % of the picture";
+  return to_json_line(seen) + to_json_line(make_failed_detection(13, 0.9, FrameStatus::no_picture, "13.png: no such file")) +
+         to_json_line(uncertain);
+}
+
+std::string rewritten(const std::string& path) {
+  std::string text;
+  for (const Detection& detection : read_detections(path)) text += to_json_line(detection);
+  return text;
+}
+
+TEST(ReadDetections, ReadsAllThatIsWritten) {
+  const test::TemporaryFolder folder;
+  EXPECT_EQ(rewritten(folder.add("d.jsonl", rich_text())), rich_text());
+}
+
+TEST(ReadDetections, ReadsTheNumbersOfEachField) {
+  const test::TemporaryFolder folder;
+  const std::vector<Detection> detections = read_detections(folder.add("d.jsonl", rich_text()));
+  ASSERT_EQ(detections.size(), 3U);
+  const Detection& detection = detections[0];
+  EXPECT_EQ(detection.frame, 12);
+  EXPECT_EQ(detection.time, 0.8);
+  ASSERT_TRUE(detection.ground.plane.has_value());
+  EXPECT_EQ(detection.ground.pose.pitch_deg, 24.9);
+  ASSERT_EQ(detection.obstacles.size(), 1U);
+  const NegativeObstacle& obstacle = detection.obstacles[0];
+  EXPECT_EQ(obstacle.id, 3);
+  EXPECT_EQ(obstacle.track_length, 9);
+  EXPECT_EQ(obstacle.probability, 0.25);
+  EXPECT_EQ(obstacle.candidate.rim_nearest, Eigen::Vector3d(0.41, 0.66, 2.47));
+  EXPECT_EQ(obstacle.candidate.distance_m, 2.0);
+  EXPECT_EQ(obstacle.candidate.depth_m, 0.9);
+  EXPECT_EQ(obstacle.candidate.contour, (std::vector<cv::Point>{{10, 20}, {30, 20}, {30, 40}}));
+  EXPECT_FALSE(detection.tracks[1].candidate.depth_m.has_value());
+  EXPECT_FALSE(detection.tracks[0].probability.has_value());
+  EXPECT_TRUE(detection.rejected[1].contour_3d.empty());
+  EXPECT_EQ(detections[1].status, FrameStatus::no_picture);
+  EXPECT_EQ(detections[1].reason, "13.png: no such file");
+  EXPECT_FALSE(detections[1].ground.plane.has_value());
+}
+
+TEST(ReadDetections, LeavesOutEmptyLinesAndFieldsThatItDoesNotKnow) {
+  const test::TemporaryFolder folder;
+  Json json = Json::parse(to_json_line(example()));
+  json["new"] = Json::parse(R"({"a":[1,null]})");
+  json["obstacles"][0]["new"] = 1e300;
+  const std::string path = folder.add("d.jsonl", "\n" + json.dump() + "\r\n\n");
+  EXPECT_EQ(rewritten(path), to_json_line(example()));
+}
+
+std::string fault_of(const std::string& text) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder.add("d.jsonl", text);
+  const std::string fault = test::error_of<std::runtime_error>([&] { read_detections(path); });
+  EXPECT_TRUE(fault.starts_with(path + ": ")) << fault;
+  return fault;
+}
+
+// The fault of the example with one value changed.
+std::string fault_with(const char* pointer, const Json& value) {
+  Json json = Json::parse(to_json_line(example()));
+  json[Json::json_pointer(pointer)] = value;
+  return fault_of(json.dump() + "\n");
+}
+
+std::string fault_without(const char* pointer, const char* name) {
+  Json json = Json::parse(to_json_line(example()));
+  EXPECT_EQ(json[Json::json_pointer(pointer)].erase(name), 1U);
+  return fault_of(json.dump() + "\n");
+}
+
+TEST(ReadDetections, NamesALineThatIsCutOff) {
+  const std::string line = to_json_line(example());
+  for (std::size_t length = 1; length + 1 < line.size(); length += 3) {
+    const std::string cut = line.substr(0, length);
+    test::expect_line_with(fault_of(line + cut), "line 2: is cut off");
+  }
+}
+
+TEST(ReadDetections, SaysThatNanIsNoJson) {
+  std::string line = to_json_line(example());
+  line.replace(line.find("0.8"), 3, "NaN");
+  test::expect_line_with(fault_of(line), "line 1: is no JSON at column 20");
+}
+
+TEST(ReadDetections, RefusesANumberThatIsTooLarge) {
+  std::string line = to_json_line(example());
+  line.replace(line.find("0.8"), 3, "1e999");
+  test::expect_line_with(fault_of(line), "line 1: holds a number that is too large");
+}
+
+TEST(ReadDetections, RefusesWhatIsNoObject) {
+  test::expect_line_with(fault_of("[1]\n"), "line 1: the line = [1], expected an object");
+  test::expect_line_with(fault_of("frame,time\n"), "line 1: is no JSON at column 2");
+}
+
+TEST(ReadDetections, RefusesAnEmptyFile) {
+  test::expect_line_with(fault_of(""), "is empty, expected one line for each frame");
+  test::expect_line_with(fault_of("\n\n"), "is empty");
+}
+
+TEST(ReadDetections, RefusesAFileThatIsNotThereOrAFolder) {
+  const test::TemporaryFolder folder;
+  test::expect_line_with(test::error_of<std::runtime_error>([&] { read_detections(folder / "no"); }), "no: no such file");
+  test::expect_line_with(test::error_of<std::runtime_error>([&] { read_detections(folder / ""); }), "is a folder");
+}
+
+TEST(ReadDetections, RefusesFramesThatDoNotIncrease) {
+  test::expect_line_with(fault_of(rich_text() + rich_text()), "line 4: frame = 12, expected more than the one before, 14");
+  test::expect_line_with(fault_of(to_json_line(example()) + to_json_line(example())), "line 2: frame = 12");
+}
+
+TEST(ReadDetections, NamesTheFieldThatIsWrong) {
+  test::expect_line_with(fault_with("/obstacles/0/distance_m", "x"), R"(obstacles[0].distance_m = "x", expected a number)");
+  test::expect_line_with(fault_with("/obstacles/0/distance_m", nullptr), "obstacles[0].distance_m = null, expected a number");
+  test::expect_line_with(fault_with("/obstacles/0/depth_m", true), "obstacles[0].depth_m = true, expected a number or null");
+  test::expect_line_with(fault_with("/obstacles/0/nearest", {1, 2}), "nearest = [1,2], expected three numbers");
+  test::expect_line_with(fault_with("/obstacles/0/nearest", {1, 2, nullptr}), "nearest = [1,2,null], expected three numbers");
+  test::expect_line_with(fault_with("/obstacles/0/probability", 1.5), "probability = 1.5, expected a number from 0 to 1");
+  test::expect_line_with(fault_with("/obstacles/0", 7), "obstacles[0] = 7, expected an object");
+  test::expect_line_with(fault_with("/tracks", Json::object()), "tracks = {}, expected a list");
+  test::expect_line_with(fault_with("/ground", "seen"), R"(ground = "seen", expected an object)");
+  test::expect_line_with(fault_with("/ground/height_m", nullptr), "ground.height_m = null, expected a number");
+  test::expect_line_with(fault_with("/frame", 1.5), "frame = 1.5, expected an integer");
+  test::expect_line_with(fault_with("/frame", -1), "frame = -1, expected an integer from 0");
+  test::expect_line_with(fault_with("/frame", 3000000000U), "frame = 3000000000, expected an integer");
+}
+
+TEST(ReadDetections, NamesTheFieldThatIsMissing) {
+  test::expect_line_with(fault_without("", "obstacles"), "line 1: obstacles is missing, expected a list");
+  test::expect_line_with(fault_without("/obstacles/0", "distance_m"), "obstacles[0].distance_m is missing, expected a number");
+  test::expect_line_with(fault_without("/times_ms", "total"), "times_ms.total is missing, expected a number");
+}
+
+TEST(ReadDetections, RefusesNamesThatItDoesNotKnow) {
+  test::expect_line_with(fault_with("/status", "okay"), R"(status = "okay", expected ok or no_picture or bad_frame)");
+  test::expect_line_with(fault_with("/ground/state", 1), "ground.state = 1, expected seen or uncertain or not_visible");
+  test::expect_line_with(fault_with("/obstacles/0/type", "hole"), "expected below_ground or no_disparity");
+}
+
+TEST(ReadDetections, RefusesContoursThatAreNoPixels) {
+  test::expect_line_with(fault_with("/obstacles/0/contour", "x"), R"(contour = "x", expected a list of points)");
+  test::expect_line_with(fault_with("/obstacles/0/contour/1", {1.5, 2}),
+                         "obstacles[0].contour[1] = [1.5,2], expected two integers from -1000000 to 1000000");
+  test::expect_line_with(fault_with("/obstacles/0/contour/2", {1, 1000001}), "contour[2] = [1,1000001], expected two integers");
+  test::expect_line_with(fault_with("/obstacles/0/contour/0", {1, 2, 3}), "contour[0] = [1,2,3], expected two integers");
+}
+
+TEST(ReadDetections, ShortensLongValuesInMessages) {
+  const std::string fault = fault_with("/tracks", std::string(500, 'x'));
+  test::expect_line_with(fault, "xxx..., expected a list");
+  EXPECT_LT(fault.size(), 200U);
+}
+
+// What the detector says of real pictures comes back as it was written.
+TEST(ReadDetections, ReadsWhatTheDetectorSaysOfRealPotholes) {
+  BRINK_REQUIRE_DATA(data, "pothole_b");
+  DetectorParams params;
+  params.stills = true;
+  params.candidates.min_depth_m = 0.01;
+  Detector detector(params);
+  const Sequence sequence = open_sequence(data);
+  std::string text;
+  for (int i = 0; i < sequence.size(); ++i) text += to_json_line(detector.process(sequence.read(i).frame));
+  EXPECT_NE(text.find("\"contour\""), std::string::npos);
+  const test::TemporaryFolder folder;
+  EXPECT_EQ(rewritten(folder.add("d.jsonl", text)), text);
 }
 
 }  // namespace

@@ -8,28 +8,12 @@
 
 #include <gtest/gtest.h>
 
+#include "count_fields.hpp"
 #include "expect_error.hpp"
 #include "temporary_folder.hpp"
 
 namespace brink {
 namespace {
-
-// Stands for a value of any type: an aggregate of n fields can be made from up to n of them.
-struct Anything {
-  template <typename T>
-  operator T() const;  // only named, never called
-};
-
-template <typename Aggregate, std::size_t... I>
-constexpr bool can_be_made_of(std::index_sequence<I...> /*unused*/) {
-  return requires { Aggregate{(static_cast<void>(I), Anything{})...}; };
-}
-
-template <typename Aggregate, std::size_t Count = 0>
-constexpr std::size_t count_fields() {
-  if constexpr (can_be_made_of<Aggregate>(std::make_index_sequence<Count + 1>{})) return count_fields<Aggregate, Count + 1>();
-  return Count;
-}
 
 std::size_t count_keys(const std::string& group) {
   const auto parameters = list_parameters();
@@ -55,13 +39,13 @@ std::string fault(const std::string& yaml) {
 }
 
 TEST(Parameters, AreAsManyAsTheStructuresHaveFields) {
-  EXPECT_EQ(count_keys("elas"), count_fields<ElasParams>());
-  EXPECT_EQ(count_keys("bm"), count_fields<BmParams>());
-  EXPECT_EQ(count_keys("sgbm"), count_fields<SgbmParams>());
-  EXPECT_EQ(count_keys("ground"), count_fields<GroundParams>());
-  EXPECT_EQ(count_keys("candidates"), count_fields<CandidateParams>());
-  EXPECT_EQ(count_keys("disparity"), count_fields<DisparityParams>() - 3);  // elas, bm and sgbm are groups of their own
-  EXPECT_EQ(count_keys("detector"), count_fields<DetectorParams>() - 3);    // so are disparity, ground and candidates
+  EXPECT_EQ(count_keys("elas"), test::count_fields<ElasParams>());
+  EXPECT_EQ(count_keys("bm"), test::count_fields<BmParams>());
+  EXPECT_EQ(count_keys("sgbm"), test::count_fields<SgbmParams>());
+  EXPECT_EQ(count_keys("ground"), test::count_fields<GroundParams>());
+  EXPECT_EQ(count_keys("candidates"), test::count_fields<CandidateParams>());
+  EXPECT_EQ(count_keys("disparity"), test::count_fields<DisparityParams>() - 3);  // elas, bm and sgbm are groups of their own
+  EXPECT_EQ(count_keys("detector"), test::count_fields<DetectorParams>() - 3);    // so are disparity, ground and candidates
 }
 
 TEST(Parameters, EachHasItsOwnKeyAndAMeaning) {

@@ -122,6 +122,58 @@ TEST(EncodeDisparity, RefusesAnEmptyImage) {
   EXPECT_THROW(encode_disparity(cv::Mat1f(), DisparityFormat::pfm), std::runtime_error);
 }
 
+cv::Mat1f reread(const cv::Mat1f& disparity, const std::string& name) {
+  const test::TemporaryFolder folder;
+  return read_disparity(folder.add(name, encode_disparity(disparity, disparity_format(name))));
+}
+
+std::string disparity_fault(const std::string& name, const std::string& bytes) {
+  const test::TemporaryFolder folder;
+  return test::error_of<std::runtime_error>([&] { read_disparity(folder.add(name, bytes)); });
+}
+
+TEST(ReadDisparity, ReadsPngAsItWasWritten) {
+  const cv::Mat1f disparity = (cv::Mat1f(2, 3) << kInvalidDisparity, 0.25F, 1.5F, 255.5F, kInvalidDisparity, 7.0F);
+  EXPECT_EQ(cv::norm(reread(disparity, "d.png"), disparity, cv::NORM_INF), 0.0);
+}
+
+TEST(ReadDisparity, ReadsPfmAsItWasWritten) {
+  const cv::Mat1f disparity = (cv::Mat1f(3, 2) << kInvalidDisparity, 0.0F, 1.2345F, 300.5F, kInvalidDisparity, 7.0F);
+  EXPECT_EQ(cv::norm(reread(disparity, "d.pfm"), disparity, cv::NORM_INF), 0.0);
+  EXPECT_EQ(reread(cv::Mat1f(1, 1, 4.0F), "d.pfm")(0, 0), 4.0F);
+}
+
+TEST(ReadDisparity, ReadsPfmOfTheOtherByteOrder) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder.add("d.pfm", std::string("Pf\n2 1\n1.0\n") + std::string("\x3f\xc0\0\0\x7f\xc0\0\0", 8));
+  const cv::Mat1f disparity = read_disparity(path);  // 1.5 and NaN, the greatest byte first
+  EXPECT_EQ(disparity(0, 0), 1.5F);
+  EXPECT_EQ(disparity(0, 1), kInvalidDisparity);
+}
+
+TEST(ReadDisparity, RefusesWhatIsNoDisparityImage) {
+  test::expect_line_with(disparity_fault("d.png", encoded(".png", noise(CV_8UC1))), "d.png: is a 8-bit picture of 1 channels");
+  test::expect_line_with(disparity_fault("d.png", encoded(".png", noise(CV_16UC3))),
+                         "d.png: is a 16-bit picture of 3 channels");
+  test::expect_line_with(disparity_fault("d.pfm", "PF\n1 1\n-1\n0000"), "d.pfm: is no grey PFM picture");
+  for (const std::string header : {"", "Pf", "Pf\n0 1\n-1\n", "Pf\n1 1\n0\n", "Pf\n1 -1\n-1\n", "Pf\nx"}) {
+    test::expect_line_with(disparity_fault("d.pfm", header),
+                           "d.pfm: is no grey PFM picture, expected Pf, columns, rows, scale");
+  }
+  EXPECT_THROW(read_disparity("/no/such/file.png"), std::runtime_error);
+  EXPECT_THROW(read_disparity("d.tiff"), std::invalid_argument);
+}
+
+TEST(ReadDisparity, RefusesTruncatedFiles) {
+  for (const std::string name : {"d.png", "d.pfm"}) {
+    const std::string bytes = encode_disparity(cv::Mat1f(2, 2, 3.0F), disparity_format(name));
+    test::expect_line_with(disparity_fault(name, bytes.substr(0, bytes.size() - 1)), "is a truncated");
+  }
+  for (const std::string header : {"Pf\n1 1\n-1", "Pf\n1 1\n-1\n", "Pf\n1000000000 1000000000\n-1\nabcd"}) {
+    test::expect_line_with(disparity_fault("d.pfm", header), "d.pfm: is a truncated PFM picture");
+  }
+}
+
 TEST(DisparityFormat, IsToldByTheExtension) {
   EXPECT_EQ(disparity_format("a/b.PNG"), DisparityFormat::png);
   EXPECT_EQ(disparity_format("b.pfm"), DisparityFormat::pfm);
