@@ -74,6 +74,7 @@ class Progress {
 // The subcommands: each adds its options and tells what to run.
 Run add_detect(CLI::App& command);
 Run add_disparity(CLI::App& command);
+Run add_odometry(CLI::App& command);
 Run add_params(CLI::App& command);
 Run add_bench(CLI::App& command);
 Run add_simulate(CLI::App& command);

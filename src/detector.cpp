@@ -51,6 +51,7 @@ void DetectorParams::validate() const {
   disparity.validate();
   ground.validate();
   candidates.validate();
+  ego_motion.validate();
   if (!(report_range_m > 0.0 && report_range_m <= 1000.0)) {
     throw std::invalid_argument(fmt::format("detector.report_range_m = {}, must be above 0 to 1000", report_range_m));
   }

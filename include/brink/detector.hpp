@@ -9,6 +9,7 @@
 
 #include "brink/candidates.hpp"
 #include "brink/disparity.hpp"
+#include "brink/ego_motion.hpp"
 #include "brink/frame.hpp"
 #include "brink/ground.hpp"
 
@@ -19,6 +20,7 @@ struct DetectorParams {
   DisparityParams disparity;
   GroundParams ground;
   CandidateParams candidates;
+  EgoMotionParams ego_motion;
   double report_range_m = 5.0;  ///< obstacles are reported up to this distance of their rim in the ground plane
   bool stills = false;          ///< the frames are unrelated: every candidate in range is an obstacle at once, track_length 1
 

@@ -23,6 +23,8 @@ struct Frame {
   StereoCamera camera;   ///< of both pictures
   /// Direction of gravity ("down"), unit length, left camera frame; empty when there is no IMU.
   std::optional<Eigen::Vector3d> gravity;
+  /// Turn of the left camera since the frame before, from a gyroscope; empty when there is none.
+  std::optional<Eigen::Matrix3d> current_from_previous_rotation;
 };
 
 /// Makes a frame from two 8-bit pictures, each grey (1 channel) or BGR (3 channels).

@@ -60,8 +60,9 @@ TEST(Parameters, AreAsManyAsTheStructuresHaveFields) {
   EXPECT_EQ(count_keys("sgbm"), count_fields<SgbmParams>());
   EXPECT_EQ(count_keys("ground"), count_fields<GroundParams>());
   EXPECT_EQ(count_keys("candidates"), count_fields<CandidateParams>());
+  EXPECT_EQ(count_keys("ego_motion"), count_fields<EgoMotionParams>());
   EXPECT_EQ(count_keys("disparity"), count_fields<DisparityParams>() - 3);  // elas, bm and sgbm are groups of their own
-  EXPECT_EQ(count_keys("detector"), count_fields<DetectorParams>() - 3);    // so are disparity, ground and candidates
+  EXPECT_EQ(count_keys("detector"), count_fields<DetectorParams>() - 4);    // so are disparity, ground, candidates, ego_motion
 }
 
 TEST(Parameters, EachHasItsOwnKeyAndAMeaning) {
