@@ -27,8 +27,8 @@ std::string to_line(const Eigen::Isometry3d& world_from_camera, double time, Pos
   if (format == PoseFormat::tum) {
     const Eigen::Vector3d t = world_from_camera.translation();
     const Eigen::Quaterniond q(world_from_camera.linear());
-    return fmt::format("{:.6f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n", time, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(),
-                       q.w());
+    return fmt::format("{:.6f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n", time, t.x(), t.y(), t.z(), q.x(), q.y(),
+                       q.z(), q.w());
   }
   std::string line;
   for (int row = 0; row < 3; ++row) {

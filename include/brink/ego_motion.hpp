@@ -40,6 +40,7 @@ struct EgoMotionParams {
   int keyframe_points = 400;             ///< most points of one
   double keyframe_overlap = 0.6;         ///< a new one is made when a smaller share of the newest one's points is seen
   double slope_radius_px = 40.0;         ///< a surface's slope is fitted to points this near
+  double disparity_offset_sd_px = 0.1;   ///< constant error of disparities that rectification may leave, estimated; 0 = none
   double max_translation_sd_m = 0.2;     ///< a motion known worse than this is none, standard deviation in any direction
   double max_rotation_sd_deg = 2.0;      ///< likewise
   double gyroscope_tolerance_deg = 3.0;  ///< a motion whose rotation differs more from the gyroscope's is none
@@ -64,11 +65,11 @@ struct EgoVelocity {
 
 /// What one frame told of the motion.
 struct EgoMotionEstimate {
-  std::optional<EgoMotion> motion;  ///< empty when it cannot be told: never yesterday's motion
-  std::string reason;               ///< why motion is empty; empty otherwise
+  std::optional<EgoMotion> motion;      ///< empty when it cannot be told: never yesterday's motion
+  std::string reason;                   ///< why motion is empty; empty otherwise
   std::optional<EgoVelocity> velocity;  ///< empty when motion is, or time does not advance
-  int matches = 0;                  ///< points of earlier frames that were found in both pictures of this one
-  int inliers = 0;                  ///< of those, that agree with the motion
+  int matches = 0;                      ///< points of earlier frames that were found in both pictures of this one
+  int inliers = 0;                      ///< of those, that agree with the motion
 };
 
 /// Section III.C.4, stereo odometry: features, circular matching over previous/current x left/right, RANSAC and Gauss-Newton

@@ -26,6 +26,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTukeyCutoff = 4.685;        // standard deviations: 95 % efficiency on Gaussian noise
 constexpr double kMedianError = 1.8321;       // median length of a four-dimensional unit Gaussian
+constexpr double kOffsetWander = 0.01;        // px: by which the constant error of disparities is less certain each frame
 constexpr double kLeastMatchDisparity = 0.5;  // px: less tells nothing about depth at the accuracy of features
 
 /// What is kept of a frame: all that the next one is compared with.
@@ -68,7 +69,8 @@ std::string find_fault(const View& previous, const View& current, const EgoMotio
   const std::array<std::pair<const char*, const FeatureIndex*>, 2> eyes = {
       {{"left", &current.features.left}, {"right", &current.features.right}}};
   for (const auto& [name, features] : eyes) {
-    if (features->size() < params.min_inliers) return fmt::format("the {} picture has no texture: {} features", name, features->size());
+    if (features->size() < params.min_inliers)
+      return fmt::format("the {} picture has no texture: {} features", name, features->size());
   }
   // Two pictures of a sensor are never equal to the last bit, unless one of them is old.
   const bool left_stands = are_equal(previous.left, current.left);
@@ -90,12 +92,10 @@ std::vector<Observation> make_observations(const std::vector<CircularMatch>& mat
     const Eigen::Vector3d point = camera.triangulate(match.previous_left.x, match.previous_left.y, disparity);
     const Eigen::Vector3d now = predicted * point;
     if (now.z() <= 0.0) continue;
-    const Eigen::Vector4d by_disparity =
-        project_stereo_jacobian(camera, now) * (predicted.linear() * point) / -disparity;
+    const Eigen::Vector4d by_disparity = project_stereo_jacobian(camera, now) * (predicted.linear() * point) / -disparity;
     const Eigen::Vector4d pixel(match.current_left.x, match.current_left.y, match.current_right.x, match.current_right.y);
-    observations.push_back(
-        {point, pixel,
-         compute_sqrt_information(variance * Eigen::Matrix4d::Identity(), 2.0 * variance, by_disparity)});
+    observations.push_back({point, pixel, Eigen::Vector4d::Zero(),
+                            compute_sqrt_information(variance * Eigen::Matrix4d::Identity(), 2.0 * variance, by_disparity)});
   }
   return observations;
 }
@@ -104,8 +104,7 @@ std::vector<Observation> make_observations(const std::vector<CircularMatch>& mat
 Attempt estimate_roughly(const View& previous, const View& current, const Eigen::Isometry3d& predicted, double search_deg,
                          const EgoMotionParams& params) {
   const double radius = current.camera.focal * std::tan(search_deg * kDegree);
-  const auto circles =
-      match_circular(previous.features, current.features, current.camera, predicted, radius, params);
+  const auto circles = match_circular(previous.features, current.features, current.camera, predicted, radius, params);
   const auto matches = thin_out(remove_outliers(circles, params), params.bucket_px, params.matches_per_bucket);
   const auto observations = make_observations(matches, current.camera, predicted, params);
   Attempt attempt{std::nullopt, "", static_cast<int>(observations.size()), 0};
@@ -140,23 +139,25 @@ double estimate_scale(const std::vector<Sighting>& sightings, const StereoCamera
 
 /// Robust final fit to the points of the keyframes. @param scale of the errors, told for the inlier limit.
 Attempt refine(const std::vector<Sighting>& sightings, const StereoCamera& camera, const Eigen::Isometry3d& rough,
-               const EgoMotionParams& params, double& scale) {
-  Attempt attempt{MotionFit{rough, Matrix6d::Zero()}, "", static_cast<int>(sightings.size()), 0};
-  if (attempt.matches < params.min_inliers) return {std::nullopt, fmt::format("too few points found again: {}", attempt.matches), attempt.matches, 0};
+               double offset_variance, const EgoMotionParams& params, double& scale) {
+  Attempt attempt{MotionFit{rough, Matrix6d::Zero(), 0.0, offset_variance}, "", static_cast<int>(sightings.size()), 0};
+  if (attempt.matches < params.min_inliers)
+    return {std::nullopt, fmt::format("too few points found again: {}", attempt.matches), attempt.matches, 0};
   std::vector<Observation> observations;
   observations.reserve(sightings.size());
   for (const Sighting& sighting : sightings) observations.push_back(sighting.observation);
   constexpr int kRounds = 4;  // the scale settles with the motion
   for (int round = 0; round < kRounds; ++round) {
     scale = estimate_scale(sightings, camera, attempt.fit->current_from_previous);
-    attempt.fit = fit_motion(observations, camera, attempt.fit->current_from_previous, kTukeyCutoff * scale);
+    attempt.fit = fit_motion(observations, camera, attempt.fit->current_from_previous, kTukeyCutoff * scale, offset_variance);
     if (!attempt.fit) return {std::nullopt, "the motion does not converge", attempt.matches, 0};
   }
   attempt.fit->covariance *= scale * scale;
   attempt.inliers = static_cast<int>(
       find_inliers(observations, camera, attempt.fit->current_from_previous, params.inlier_sigmas * scale).size());
   if (attempt.inliers < std::max<double>(params.min_inliers, params.min_inlier_ratio * attempt.matches)) {
-    return {std::nullopt, fmt::format("too few inliers: {} of {} points agree with one motion", attempt.inliers, attempt.matches),
+    return {std::nullopt,
+            fmt::format("too few inliers: {} of {} points agree with one motion", attempt.inliers, attempt.matches),
             attempt.matches, attempt.inliers};
   }
   return attempt;
@@ -172,8 +173,10 @@ double largest_sd(const Eigen::Matrix3d& covariance) {
 std::string find_doubt(const MotionFit& fit, const Frame& frame, const EgoMotionParams& params) {
   const double rotation_sd = largest_sd(fit.covariance.topLeftCorner<3, 3>()) / kDegree;
   const double translation_sd = largest_sd(fit.covariance.bottomRightCorner<3, 3>());
-  if (!(rotation_sd <= params.max_rotation_sd_deg)) return fmt::format("ambiguous: rotation known to {:.1f} degrees only", rotation_sd);
-  if (!(translation_sd <= params.max_translation_sd_m)) return fmt::format("ambiguous: translation known to {:.2f} m only", translation_sd);
+  if (!(rotation_sd <= params.max_rotation_sd_deg))
+    return fmt::format("ambiguous: rotation known to {:.1f} degrees only", rotation_sd);
+  if (!(translation_sd <= params.max_translation_sd_m))
+    return fmt::format("ambiguous: translation known to {:.2f} m only", translation_sd);
   if (frame.current_from_previous_rotation) {
     const double off = angle_deg(fit.current_from_previous.linear().transpose() * *frame.current_from_previous_rotation);
     if (off > params.gyroscope_tolerance_deg) return fmt::format("implausible: {:.1f} degrees off the gyroscope", off);
@@ -189,6 +192,8 @@ struct EgoMotionEstimator::State {
   std::vector<Keyframe> keyframes;
   std::size_t newest_points = 0;  ///< of the newest keyframe, when it was made
   std::optional<View> previous;
+  double offset = 0.0;           ///< constant error of the columns of all right pictures, px
+  double offset_variance = 0.0;  ///< px^2
 
   [[nodiscard]] Attempt measure(const Frame& frame, const View& current, double seconds);
   [[nodiscard]] Attempt start(const Frame& frame, const View& current, double seconds) const;
@@ -215,7 +220,7 @@ void EgoMotionEstimator::State::add_keyframe() {
     keyframes.erase(std::min_element(keyframes.begin(), keyframes.end(),
                                      [](const Keyframe& a, const Keyframe& b) { return a.inliers < b.inliers; }));
   }
-  keyframes.push_back(make_keyframe(previous->smooth, previous->features, params));
+  keyframes.push_back(make_keyframe(previous->smooth, previous->features, offset, params));
   newest_points = keyframes.back().points.size();
 }
 
@@ -228,23 +233,27 @@ Attempt EgoMotionEstimator::State::measure(const Frame& frame, const View& curre
   if (!rough.fit) return rough;
 
   // Sub-pixel refinement against keyframes, Gauss-Newton with weights by expected noise.
-  if (keyframes.empty() || keyframes.back().inliers < params.keyframe_overlap * static_cast<double>(newest_points)) add_keyframe();
-  const auto sightings = find_sightings(keyframes, current.smooth, current.camera, rough.fit->current_from_previous);
+  if (keyframes.empty() || keyframes.back().inliers < params.keyframe_overlap * static_cast<double>(newest_points))
+    add_keyframe();
+  const auto sightings = find_sightings(keyframes, current.smooth, current.camera, rough.fit->current_from_previous, offset);
   double scale = 1.0;
-  Attempt fine = refine(sightings, current.camera, rough.fit->current_from_previous, params, scale);
+  Attempt fine = refine(sightings, current.camera, rough.fit->current_from_previous, offset_variance, params, scale);
   if (!fine.fit) return fine;
   fine.reason = find_doubt(*fine.fit, frame, params);
   if (!fine.reason.empty()) {
     fine.fit.reset();
     return fine;
   }
-  keyframes = move_on(std::move(keyframes), sightings, current.camera, fine.fit->current_from_previous, params.inlier_sigmas * scale);
+  keyframes = move_on(std::move(keyframes), sightings, current.camera, *fine.fit, params.inlier_sigmas * scale);
+  offset += fine.fit->offset;
+  offset_variance = fine.fit->offset_variance + (offset_variance > 0.0 ? kOffsetWander * kOffsetWander : 0.0);
   return fine;
 }
 
 EgoMotionEstimator::EgoMotionEstimator(const EgoMotionParams& params) {
   params.validate();
-  state_ = std::make_unique<State>(State{params, VelocityFilter(params), {}, 0, std::nullopt});
+  state_ = std::make_unique<State>(State{
+      params, VelocityFilter(params), {}, 0, std::nullopt, 0.0, params.disparity_offset_sd_px * params.disparity_offset_sd_px});
 }
 EgoMotionEstimator::~EgoMotionEstimator() = default;
 EgoMotionEstimator::EgoMotionEstimator(EgoMotionEstimator&&) noexcept = default;

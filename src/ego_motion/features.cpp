@@ -51,8 +51,22 @@ Gradients compute_gradients(const cv::Mat1b& picture) {
 }
 
 FeatureDescriptor describe(const Gradients& gradients, cv::Point place) {
-  static const std::array<cv::Point, 16> kSamples = {{{-1, -1}, {1, -1}, {-1, 1}, {1, 1}, {-3, -1}, {3, -1}, {-3, 1}, {3, 1},
-                                                     {-1, -5}, {1, -5}, {-1, 5}, {1, 5}, {-5, -3}, {5, -3}, {-5, 3}, {5, 3}}};
+  static const std::array<cv::Point, 16> kSamples = {{{-1, -1},
+                                                      {1, -1},
+                                                      {-1, 1},
+                                                      {1, 1},
+                                                      {-3, -1},
+                                                      {3, -1},
+                                                      {-3, 1},
+                                                      {3, 1},
+                                                      {-1, -5},
+                                                      {1, -5},
+                                                      {-1, 5},
+                                                      {1, 5},
+                                                      {-5, -3},
+                                                      {5, -3},
+                                                      {-5, 3},
+                                                      {5, 3}}};
   FeatureDescriptor descriptor;
   std::size_t i = 0;
   for (const cv::Point& sample : kSamples) {
@@ -109,7 +123,8 @@ void find_extrema(const cv::Mat1s& response, FeatureClass minimum, FeatureClass 
 /// The strongest of each square; ties go to the one found first.
 std::vector<Extremum> keep_strongest(const std::vector<Extremum>& extrema, cv::Size size, int bucket, int per_bucket) {
   const int columns = size.width / bucket + 1;
-  std::vector<std::vector<Extremum>> buckets(static_cast<std::size_t>(columns) * static_cast<std::size_t>(size.height / bucket + 1));
+  std::vector<std::vector<Extremum>> buckets(static_cast<std::size_t>(columns) *
+                                             static_cast<std::size_t>(size.height / bucket + 1));
   for (const Extremum& extremum : extrema) {
     buckets[static_cast<std::size_t>(extremum.place.y / bucket * columns + extremum.place.x / bucket)].push_back(extremum);
   }
@@ -138,7 +153,8 @@ std::vector<Feature> find_features(const cv::Mat1b& picture, const EgoMotionPara
   find_extrema(filter_corners(searched), FeatureClass::corner_minimum, FeatureClass::corner_maximum, params, extrema);
   const Gradients gradients = compute_gradients(searched);
   std::vector<Feature> features;
-  for (const Extremum& extremum : keep_strongest(extrema, searched.size(), params.feature_bucket_px / step, params.features_per_bucket)) {
+  for (const Extremum& extremum :
+       keep_strongest(extrema, searched.size(), params.feature_bucket_px / step, params.features_per_bucket)) {
     const float offset = step == 2 ? 0.5F : 0.0F;  // the centre of a 2x2 mean lies between its pixels
     const cv::Point2f position(static_cast<float>(step * extremum.place.x) + offset,
                                static_cast<float>(step * extremum.place.y) + offset);

@@ -13,12 +13,12 @@
 namespace brink {
 namespace {
 
-constexpr double kStereoReach = 3.0;    // px: features are found to a pixel or two
-constexpr double kTemporalReach = 3.0;  // px
-constexpr double kRowTolerance = 1.0;   // px: of the aligned rows of a pair
-constexpr double kModelError = 0.03;    // px: what warping and interpolation leave, whatever the levels tell
-constexpr double kMaxVariance = 0.25;  // px^2: disparities known worse are left out
-constexpr double kLeastDisparity = 0.3; // px
+constexpr double kStereoReach = 3.0;     // px: features are found to a pixel or two
+constexpr double kTemporalReach = 3.0;   // px
+constexpr double kRowTolerance = 1.5;    // px: of the aligned rows of a pair
+constexpr double kModelError = 0.03;     // px: what warping and interpolation leave, whatever the levels tell
+constexpr double kMaxVariance = 0.25;    // px^2: disparities known worse are left out
+constexpr double kLeastDisparity = 0.3;  // px
 
 Eigen::Matrix2d with_model_error(const Eigen::Matrix2d& covariance) {
   return covariance + kModelError * kModelError * Eigen::Matrix2d::Identity();
@@ -48,21 +48,24 @@ Eigen::Matrix2d stereo_warp(const Eigen::Vector2d& slope) {
 }
 
 /// Finds the point in the right picture. @return whether it was found, on its row.
-bool measure_disparity(MapPoint& point, const cv::Mat1b& right) {
+bool measure_disparity(MapPoint& point, const cv::Mat1b& right, double offset) {
   const Eigen::Vector2d left(point.patch.centre.x, point.patch.centre.y);
-  const auto aligned =
-      align_patch(point.patch, right, left - Eigen::Vector2d(point.disparity, 0.0), stereo_warp(point.slope), kStereoReach);
+  const auto aligned = align_patch(point.patch, right, left - Eigen::Vector2d(point.disparity - offset, 0.0),
+                                   stereo_warp(point.slope), kStereoReach);
   if (!aligned || std::abs(aligned->position.y() - left.y()) > kRowTolerance) return false;
-  point.disparity = left.x() - aligned->position.x();
-  point.variance = with_model_error(aligned->covariance)(0, 0);
+  const Eigen::Matrix2d covariance = with_model_error(aligned->covariance);
+  point.disparity = left.x() - aligned->position.x() + offset;
+  point.variance = covariance(0, 0);
+  point.row_offset = aligned->position.y() - left.y();
+  point.row_variance = covariance(1, 1);
   return point.disparity > kLeastDisparity;
 }
 
 /// Slope of the surface through its neighbours, by reweighted least squares: those of another surface count nothing.
 Eigen::Vector2d fit_slope(const MapPoint& point, const std::vector<MapPoint>& points, double radius) {
   constexpr int kRounds = 4;
-  constexpr double kTolerance = 0.5;       // px: disparity off the surface
-  constexpr double kStiffness = 50.0;      // px^2: keeps a slope from one or two neighbours small
+  constexpr double kTolerance = 0.5;   // px: disparity off the surface
+  constexpr double kStiffness = 50.0;  // px^2: keeps a slope from one or two neighbours small
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();
   for (int round = 0; round < kRounds; ++round) {
     Eigen::Matrix2d hessian = kStiffness * Eigen::Matrix2d::Identity();
@@ -86,19 +89,21 @@ void keep_found(std::vector<MapPoint>& points, const std::vector<char>& found) {
   std::erase_if(points, [&](const MapPoint&) { return found[i++] == 0; });
 }
 
-void measure_disparities(std::vector<MapPoint>& points, const cv::Mat1b& right) {
+void measure_disparities(std::vector<MapPoint>& points, const cv::Mat1b& right, double offset) {
   std::vector<char> found(points.size());
-  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) { found[i] = measure_disparity(points[i], right) ? 1 : 0; });
+  tbb::parallel_for(std::size_t{0}, points.size(),
+                    [&](std::size_t i) { found[i] = measure_disparity(points[i], right, offset) ? 1 : 0; });
   keep_found(points, found);
 }
 
 /// A pixel of a keyframe, with its disparity, as the current cameras see it: column and row left, then right.
-Eigen::Vector4d transfer(const Eigen::Vector3d& pixel, const StereoCamera& camera, const Eigen::Isometry3d& current_from_keyframe) {
+Eigen::Vector4d transfer(const Eigen::Vector3d& pixel, const StereoCamera& camera,
+                         const Eigen::Isometry3d& current_from_keyframe) {
   return project_stereo(camera, current_from_keyframe * camera.triangulate(pixel.x(), pixel.y(), pixel.z()));
 }
 
 std::optional<Sighting> find_point(const MapPoint& point, const Keyframe& keyframe, const SmoothPair& current,
-                                   const StereoCamera& camera, const Eigen::Isometry3d& current_from_previous) {
+                                   const StereoCamera& camera, const Eigen::Isometry3d& current_from_previous, double offset) {
   const Eigen::Isometry3d current_from_keyframe = current_from_previous * keyframe.frame_from_keyframe;
   const Eigen::Vector3d centre(point.patch.centre.x, point.patch.centre.y, point.disparity);
   const Eigen::Vector3d in_keyframe = camera.triangulate(centre.x(), centre.y(), centre.z());
@@ -109,33 +114,40 @@ std::optional<Sighting> find_point(const MapPoint& point, const Keyframe& keyfra
   const Eigen::Vector3d along_v(0.0, 1.0, point.slope.y());
   if (centre.z() <= std::max(std::abs(point.slope.x()), std::abs(point.slope.y()))) return std::nullopt;
   const Eigen::Vector4d predicted = project_stereo(camera, now);
-  const Eigen::Vector4d by_u = 0.5 * (transfer(centre + along_u, camera, current_from_keyframe) - transfer(centre - along_u, camera, current_from_keyframe));
-  const Eigen::Vector4d by_v = 0.5 * (transfer(centre + along_v, camera, current_from_keyframe) - transfer(centre - along_v, camera, current_from_keyframe));
+  const Eigen::Vector4d by_u = 0.5 * (transfer(centre + along_u, camera, current_from_keyframe) -
+                                      transfer(centre - along_u, camera, current_from_keyframe));
+  const Eigen::Vector4d by_v = 0.5 * (transfer(centre + along_v, camera, current_from_keyframe) -
+                                      transfer(centre - along_v, camera, current_from_keyframe));
   Eigen::Matrix2d left_warp;
   Eigen::Matrix2d right_warp;
   left_warp << by_u.head<2>(), by_v.head<2>();
   right_warp << by_u.tail<2>(), by_v.tail<2>();
   const auto left = align_patch(point.patch, current.left, predicted.head<2>(), left_warp, kTemporalReach);
   if (!left) return std::nullopt;
-  const auto right = align_patch(point.patch, current.right, predicted.tail<2>(), right_warp, kTemporalReach);
+  const auto right = align_patch(point.patch, current.right, predicted.tail<2>() + Eigen::Vector2d(offset, point.row_offset),
+                                 right_warp, kTemporalReach);
   if (!right || std::abs(left->position.y() - right->position.y()) > kRowTolerance) return std::nullopt;
   Sighting sighting;
   sighting.observation.point = keyframe.frame_from_keyframe * in_keyframe;
-  sighting.observation.pixel << left->position, right->position;
+  // What rectification left in the columns of all, and in the rows of this point when it was new, is taken away.
+  sighting.observation.pixel << left->position, right->position.x() - offset, right->position.y() - point.row_offset;
   sighting.pixel_covariance.setZero();
   sighting.pixel_covariance.topLeftCorner<2, 2>() = with_model_error(left->covariance);
   sighting.pixel_covariance.bottomRightCorner<2, 2>() = with_model_error(right->covariance);
+  sighting.pixel_covariance(3, 3) += point.row_variance;
   sighting.by_disparity =
       project_stereo_jacobian(camera, now) * (current_from_keyframe.linear() * in_keyframe) / -point.disparity;
+  sighting.observation.by_offset = sighting.by_disparity + Eigen::Vector4d::Unit(2);
   sighting.observation.sqrt_information =
       compute_sqrt_information(sighting.pixel_covariance, point.variance, sighting.by_disparity);
   return sighting;
 }
 
 /// One step of a Kalman filter on the disparity of the point.
-void improve_disparity(MapPoint& point, const Sighting& sighting, const StereoCamera& camera, const Eigen::Isometry3d& motion) {
-  const Eigen::Vector4d residual =
-      sighting.observation.pixel - project_stereo(camera, motion * sighting.observation.point);
+void improve_disparity(MapPoint& point, const Sighting& sighting, const StereoCamera& camera, const MotionFit& fit) {
+  const Eigen::Vector4d residual = sighting.observation.pixel -
+                                   project_stereo(camera, fit.current_from_previous * sighting.observation.point) -
+                                   fit.offset * sighting.observation.by_offset;
   const Eigen::Vector4d weighted = sighting.pixel_covariance.llt().solve(sighting.by_disparity);
   const double information = 1.0 / point.variance + weighted.dot(sighting.by_disparity);
   point.variance = 1.0 / information;
@@ -144,33 +156,36 @@ void improve_disparity(MapPoint& point, const Sighting& sighting, const StereoCa
 
 }  // namespace
 
-Keyframe make_keyframe(const SmoothPair& pictures, const StereoFeatures& features, const EgoMotionParams& params) {
+Keyframe make_keyframe(const SmoothPair& pictures, const StereoFeatures& features, double offset,
+                       const EgoMotionParams& params) {
   Keyframe keyframe;
-  for (const StereoMatch& match : spread(match_stereo(features, params), features, pictures.left.size(), params.keyframe_points)) {
+  for (const StereoMatch& match :
+       spread(match_stereo(features, params), features, pictures.left.size(), params.keyframe_points)) {
     const cv::Point2f left = features.left[match.left].position;
     const auto patch = make_patch(pictures.left, cv::Point(cvRound(left.x), cvRound(left.y)));
     if (!patch) continue;
     MapPoint point;
     point.patch = *patch;
-    point.disparity = left.x - features.right[match.right].position.x;
+    point.disparity = left.x - features.right[match.right].position.x + offset;
     keyframe.points.push_back(point);
   }
-  measure_disparities(keyframe.points, pictures.right);
+  measure_disparities(keyframe.points, pictures.right, offset);
   const std::vector<MapPoint> flat = keyframe.points;
   for (MapPoint& point : keyframe.points) point.slope = fit_slope(point, flat, params.slope_radius_px);
-  measure_disparities(keyframe.points, pictures.right);
+  measure_disparities(keyframe.points, pictures.right, offset);
   std::erase_if(keyframe.points, [&](const MapPoint& point) { return point.variance > kMaxVariance; });
   return keyframe;
 }
 
 std::vector<Sighting> find_sightings(const std::vector<Keyframe>& keyframes, const SmoothPair& current,
-                                     const StereoCamera& camera, const Eigen::Isometry3d& current_from_previous) {
+                                     const StereoCamera& camera, const Eigen::Isometry3d& current_from_previous,
+                                     double offset) {
   std::vector<Sighting> sightings;
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
     const Keyframe& keyframe = keyframes[k];
     std::vector<std::optional<Sighting>> found(keyframe.points.size());
     tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
-      found[i] = find_point(keyframe.points[i], keyframe, current, camera, current_from_previous);
+      found[i] = find_point(keyframe.points[i], keyframe, current, camera, current_from_previous, offset);
     });
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (!found[i]) continue;
@@ -183,15 +198,18 @@ std::vector<Sighting> find_sightings(const std::vector<Keyframe>& keyframes, con
 }
 
 std::vector<Keyframe> move_on(std::vector<Keyframe> keyframes, const std::vector<Sighting>& sightings,
-                              const StereoCamera& camera, const Eigen::Isometry3d& current_from_previous, double limit) {
-  for (Keyframe& keyframe : keyframes) keyframe.inliers = 0;
+                              const StereoCamera& camera, const MotionFit& fit, double limit) {
+  for (Keyframe& keyframe : keyframes) {
+    keyframe.inliers = 0;
+    keyframe.frame_from_keyframe = fit.current_from_previous * keyframe.frame_from_keyframe;
+    for (MapPoint& point : keyframe.points) point.disparity = std::max(point.disparity + fit.offset, kLeastDisparity);
+  }
   for (const Sighting& sighting : sightings) {
-    if (compute_error(sighting.observation, camera, current_from_previous) >= limit) continue;
+    if (compute_error(sighting.observation, camera, fit.current_from_previous) >= limit) continue;
     Keyframe& keyframe = keyframes[sighting.keyframe];
     ++keyframe.inliers;
-    improve_disparity(keyframe.points[sighting.point], sighting, camera, current_from_previous);
+    improve_disparity(keyframe.points[sighting.point], sighting, camera, fit);
   }
-  for (Keyframe& keyframe : keyframes) keyframe.frame_from_keyframe = current_from_previous * keyframe.frame_from_keyframe;
   return keyframes;
 }
 

@@ -25,6 +25,8 @@ struct MapPoint {
   Patch patch;
   double disparity = 0.0;                           ///< in the keyframe, px
   double variance = 0.0;                            ///< of disparity, px^2
+  double row_offset = 0.0;                          ///< row in the right picture less that in the left one, px
+  double row_variance = 0.0;                        ///< of row_offset, px^2
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< of the disparity over the patch, px per px in u and v
 };
 
@@ -45,16 +47,18 @@ struct Sighting {
 };
 
 /// Keyframe at a frame: its stereo matches, aligned to a fraction of a pixel.
-Keyframe make_keyframe(const SmoothPair& pictures, const StereoFeatures& features, const EgoMotionParams& params);
+/// @param offset constant error of all columns in the right picture, px; the same below.
+Keyframe make_keyframe(const SmoothPair& pictures, const StereoFeatures& features, double offset,
+                       const EgoMotionParams& params);
 
 /// Points of all keyframes as they are found in the current pair. @param motion as well as it is known, to about a pixel.
 std::vector<Sighting> find_sightings(const std::vector<Keyframe>& keyframes, const SmoothPair& current,
-                                     const StereoCamera& camera, const Eigen::Isometry3d& current_from_previous);
+                                     const StereoCamera& camera, const Eigen::Isometry3d& current_from_previous, double offset);
 
 /// The keyframes after the motion: their poses are those to the current frame, the disparities of points that agree with the
 /// motion are improved by where they were seen, inliers are counted.
 /// @param limit error of an inlier, expected standard deviations.
 std::vector<Keyframe> move_on(std::vector<Keyframe> keyframes, const std::vector<Sighting>& sightings,
-                              const StereoCamera& camera, const Eigen::Isometry3d& current_from_previous, double limit);
+                              const StereoCamera& camera, const MotionFit& fit, double limit);
 
 }  // namespace brink

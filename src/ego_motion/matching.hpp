@@ -29,7 +29,8 @@ class FeatureIndex {
   [[nodiscard]] int size() const { return static_cast<int>(features_.size()); }
 
   /// The feature in the window that looks most like this one; empty when none is similar enough or two are alike.
-  [[nodiscard]] std::optional<int> find(const Feature& feature, const SearchWindow& window, const EgoMotionParams& params) const;
+  [[nodiscard]] std::optional<int> find(const Feature& feature, const SearchWindow& window,
+                                        const EgoMotionParams& params) const;
 
  private:
   [[nodiscard]] int column_of(float u) const;

@@ -13,9 +13,9 @@
 namespace brink {
 namespace {
 
-constexpr int kMaxIterations = 30;
-constexpr double kConverged = 1e-7;      // rad and m: far below what pictures can tell
-constexpr double kLeastDepth = 0.01;     // m: nearer points are not in view
+constexpr int kMaxIterations = 100;
+constexpr double kConverged = 1e-2;        // standard deviations: a step this short changes nothing that can be told
+constexpr double kLeastDepth = 0.01;       // m: nearer points are not in view
 constexpr double kLeastEigenvalue = 1e-6;  // of the normal equations, 1/rad^2 and 1/m^2: 1 km and many turns of uncertainty
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
@@ -31,29 +31,48 @@ double tukey_weight(double error, double cutoff) {
   return root * root;
 }
 
+/// Six unknowns of the motion and the constant error of disparities.
+using Matrix7d = Eigen::Matrix<double, 7, 7>;
+using Vector7d = Eigen::Matrix<double, 7, 1>;
+
 struct NormalEquations {
-  Matrix6d hessian = Matrix6d::Zero();
-  Vector6d gradient = Vector6d::Zero();
+  Matrix7d hessian = Matrix7d::Zero();
+  Vector7d gradient = Vector7d::Zero();
 };
 
 NormalEquations make_normal_equations(const std::vector<Observation>& observations, const StereoCamera& camera,
-                                      const Eigen::Isometry3d& motion, double cutoff) {
+                                      const MotionFit& fit, double cutoff) {
   NormalEquations equations;
   for (const Observation& observation : observations) {
-    const Eigen::Vector3d turned = motion.linear() * observation.point;
-    const Eigen::Vector3d point = turned + motion.translation();
+    const Eigen::Vector3d turned = fit.current_from_previous.linear() * observation.point;
+    const Eigen::Vector3d point = turned + fit.current_from_previous.translation();
     if (point.z() < kLeastDepth) continue;
-    const Eigen::Vector4d residual = observation.sqrt_information * (observation.pixel - project_stereo(camera, point));
+    const Eigen::Vector4d residual =
+        observation.sqrt_information * (observation.pixel - project_stereo(camera, point) - fit.offset * observation.by_offset);
     const double weight = tukey_weight(residual.norm(), cutoff);
     if (weight <= 0.0) continue;
     Eigen::Matrix<double, 3, 6> by_motion;
     by_motion << -cross_matrix(turned), Eigen::Matrix3d::Identity();
-    const Eigen::Matrix<double, 4, 6> jacobian =
-        observation.sqrt_information * (project_stereo_jacobian(camera, point) * by_motion);
+    Eigen::Matrix<double, 4, 7> jacobian;
+    jacobian << project_stereo_jacobian(camera, point) * by_motion, observation.by_offset;
+    jacobian = observation.sqrt_information * jacobian;
     equations.hessian.noalias() += weight * jacobian.transpose() * jacobian;
     equations.gradient.noalias() += weight * jacobian.transpose() * residual;
   }
   return equations;
+}
+
+/// What is known of the constant error beforehand. Known to be none, it is left out.
+void add_prior(NormalEquations& equations, double offset, double variance) {
+  if (variance > 0.0) {
+    equations.hessian(6, 6) += 1.0 / variance;
+    equations.gradient[6] -= offset / variance;
+  } else {
+    equations.hessian.row(6).setZero();
+    equations.hessian.col(6).setZero();
+    equations.hessian(6, 6) = 1.0;
+    equations.gradient[6] = 0.0;
+  }
 }
 
 Eigen::Matrix3d rotation_of(const Eigen::Vector3d& vector) {
@@ -116,18 +135,22 @@ double compute_error(const Observation& observation, const StereoCamera& camera,
 }
 
 std::optional<MotionFit> fit_motion(const std::vector<Observation>& observations, const StereoCamera& camera,
-                                    const Eigen::Isometry3d& initial, double cutoff) {
-  MotionFit fit{initial, Matrix6d::Zero()};
+                                    const Eigen::Isometry3d& initial, double cutoff, double offset_variance) {
+  MotionFit fit{initial, Matrix6d::Zero(), 0.0, offset_variance};
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    const NormalEquations equations = make_normal_equations(observations, camera, fit.current_from_previous, cutoff);
-    const Eigen::LDLT<Matrix6d> solver(equations.hessian);
+    NormalEquations equations = make_normal_equations(observations, camera, fit, cutoff);
+    add_prior(equations, fit.offset, offset_variance);
+    const Eigen::LDLT<Matrix7d> solver(equations.hessian);
     if (solver.info() != Eigen::Success || solver.vectorD().minCoeff() < kLeastEigenvalue) return std::nullopt;
-    const Vector6d step = solver.solve(equations.gradient);
+    const Vector7d step = solver.solve(equations.gradient);
     if (!step.allFinite()) return std::nullopt;
     fit.current_from_previous.linear() = rotation_of(step.head<3>()) * fit.current_from_previous.linear();
-    fit.current_from_previous.translation() += step.tail<3>();
-    if (step.cwiseAbs().maxCoeff() < kConverged) {
-      fit.covariance = solver.solve(Matrix6d::Identity());
+    fit.current_from_previous.translation() += step.segment<3>(3);
+    fit.offset += step[6];
+    if (step.dot(equations.gradient) < kConverged * kConverged) {
+      const Matrix7d covariance = solver.solve(Matrix7d::Identity());
+      fit.covariance = covariance.topLeftCorner<6, 6>();
+      fit.offset_variance = offset_variance > 0.0 ? covariance(6, 6) : 0.0;
       return fit;
     }
   }

@@ -23,8 +23,7 @@ bool agree(const CircularMatch& a, const CircularMatch& b, const EgoMotionParams
   const cv::Point2f left = (a.current_left - a.previous_left) - (b.current_left - b.previous_left);
   const cv::Point2f right = (a.current_right - a.previous_right) - (b.current_right - b.previous_right);
   const float disparity = (a.current_left.x - a.current_right.x) - (b.current_left.x - b.current_right.x);
-  return std::hypot(left.x, left.y) < tolerance && std::hypot(right.x, right.y) < tolerance &&
-         std::abs(disparity) < tolerance;
+  return std::hypot(left.x, left.y) < tolerance && std::hypot(right.x, right.y) < tolerance && std::abs(disparity) < tolerance;
 }
 
 }  // namespace
