@@ -163,6 +163,25 @@ Attempt refine(const std::vector<Sighting>& sightings, const StereoCamera& camer
   return attempt;
 }
 
+/// Both ends of the motion were measured against the keyframes: the covariance of (w, t) with that of the last frame's place.
+/// @param previous of the last frame's place: its own small turns and shifts, in its own axes.
+Matrix6d with_previous(const MotionFit& fit, const Matrix6d& previous) {
+  // A small turn and shift of the previous frame is turned into the current one; the turn moves it about the new origin.
+  Matrix6d by_previous = Matrix6d::Zero();
+  by_previous.topLeftCorner<3, 3>() = fit.current_from_previous.linear();
+  by_previous.bottomRightCorner<3, 3>() = fit.current_from_previous.linear();
+  return fit.covariance + by_previous * previous * by_previous.transpose();
+}
+
+/// Covariance of small turns and shifts of the current frame, from that of (w, t).
+Matrix6d to_place(const MotionFit& fit) {
+  // p -> exp(w) (p - translation) + translation + t: about the origin, the shift is t - w x translation.
+  const Eigen::Vector3d& translation = fit.current_from_previous.translation();
+  Matrix6d by_motion = Matrix6d::Identity();
+  for (int i = 0; i < 3; ++i) by_motion.block<3, 1>(3, i) = -Eigen::Vector3d::Unit(i).cross(translation);
+  return by_motion * fit.covariance * by_motion.transpose();
+}
+
 double angle_deg(const Eigen::Matrix3d& rotation) { return Eigen::AngleAxisd(rotation).angle() / kDegree; }
 
 double largest_sd(const Eigen::Matrix3d& covariance) {
@@ -192,6 +211,7 @@ struct EgoMotionEstimator::State {
   std::vector<Keyframe> keyframes;
   std::size_t newest_points = 0;  ///< of the newest keyframe, when it was made
   std::optional<View> previous;
+  Matrix6d previous_place = Matrix6d::Zero();  ///< covariance of the last frame's place among the keyframes
   double offset = 0.0;           ///< constant error of the columns of all right pictures, px
   double offset_variance = 0.0;  ///< px^2
 
@@ -239,12 +259,15 @@ Attempt EgoMotionEstimator::State::measure(const Frame& frame, const View& curre
   double scale = 1.0;
   Attempt fine = refine(sightings, current.camera, rough.fit->current_from_previous, offset_variance, params, scale);
   if (!fine.fit) return fine;
+  const Matrix6d place = to_place(*fine.fit);
+  fine.fit->covariance = with_previous(*fine.fit, previous_place);
   fine.reason = find_doubt(*fine.fit, frame, params);
   if (!fine.reason.empty()) {
     fine.fit.reset();
     return fine;
   }
   keyframes = move_on(std::move(keyframes), sightings, current.camera, *fine.fit, params.inlier_sigmas * scale);
+  previous_place = place;
   offset += fine.fit->offset;
   offset_variance = fine.fit->offset_variance + (offset_variance > 0.0 ? kOffsetWander * kOffsetWander : 0.0);
   return fine;
@@ -253,7 +276,7 @@ Attempt EgoMotionEstimator::State::measure(const Frame& frame, const View& curre
 EgoMotionEstimator::EgoMotionEstimator(const EgoMotionParams& params) {
   params.validate();
   state_ = std::make_unique<State>(State{
-      params, VelocityFilter(params), {}, 0, std::nullopt, 0.0, params.disparity_offset_sd_px * params.disparity_offset_sd_px});
+      params, VelocityFilter(params), {}, 0, std::nullopt, Matrix6d::Zero(), 0.0, params.disparity_offset_sd_px * params.disparity_offset_sd_px});
 }
 EgoMotionEstimator::~EgoMotionEstimator() = default;
 EgoMotionEstimator::EgoMotionEstimator(EgoMotionEstimator&&) noexcept = default;
@@ -274,6 +297,7 @@ EgoMotionEstimate EgoMotionEstimator::estimate(const Frame& frame) {
   if (!attempt.fit) {
     state.velocity.reset();
     state.keyframes.clear();
+    state.previous_place.setZero();  // it will be a keyframe itself
     return estimate;
   }
   estimate.motion = EgoMotion{attempt.fit->current_from_previous, attempt.fit->covariance};
