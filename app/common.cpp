@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -18,6 +19,13 @@ namespace brink::app {
 namespace {
 
 constexpr const char* kClearLine = "\r\x1b[K";  // on a terminal; there a bar may stand in the line
+
+volatile std::sig_atomic_t interrupted = 0;
+
+extern "C" void note_interruption(int signal) {
+  interrupted = 1;
+  std::signal(signal, SIG_DFL);
+}
 
 bool is_terminal() { return ::isatty(STDERR_FILENO) != 0; }
 
@@ -94,6 +102,10 @@ std::unique_ptr<tbb::global_control> limit_threads(int threads) {
   cv::setNumThreads(threads);
   return std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
 }
+
+bool is_interrupted() { return interrupted != 0; }
+
+void catch_interruption() { std::signal(SIGINT, note_interruption); }
 
 void say(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <Eigen/Geometry>
 #include <tbb/global_control.h>
 
 #include "brink/detector.hpp"
@@ -16,8 +17,9 @@
 namespace brink::app {
 
 constexpr int kExitOk = 0;
-constexpr int kExitData = 1;   ///< a file or the scene is at fault
-constexpr int kExitUsage = 2;  ///< the command line is at fault: std::invalid_argument
+constexpr int kExitData = 1;           ///< a file or the scene is at fault
+constexpr int kExitInterrupted = 130;  ///< Ctrl-C, as shells have it
+constexpr int kExitUsage = 2;          ///< the command line is at fault: std::invalid_argument
 
 /// What a subcommand does once its options are read; returns the exit code.
 using Run = std::function<int()>;
@@ -47,7 +49,15 @@ Sequence open_input(const InputOptions& options);
 /// What happens with each frame, in order.
 using ProcessedFrame = std::function<void(const FrameReading&, const Detection&)>;
 /// The detector over a whole sequence; a frame that cannot be read is told as such and the next one goes on.
-void process_sequence(const Sequence& sequence, const DetectorParams& params, const ProcessedFrame& on_frame);
+/// @param world_from_camera poses from elsewhere, one for each frame; empty = none.
+/// @return false when it was interrupted before the last frame.
+bool process_sequence(const Sequence& sequence, const DetectorParams& params, const ProcessedFrame& on_frame,
+                      const std::vector<Eigen::Isometry3d>& world_from_camera = {});
+
+/// Ctrl-C was pressed: end cleanly with what is done so far.
+bool is_interrupted();
+/// From here on Ctrl-C is noted instead of ending the process; a second one ends it.
+void catch_interruption();
 
 /// --threads; no limit when it is not given.
 void add_threads_option(CLI::App& command, int& threads);
@@ -79,6 +89,7 @@ class Progress {
 // The subcommands: each adds its options and tells what to run.
 Run add_detect(CLI::App& command);
 Run add_disparity(CLI::App& command);
+Run add_odometry(CLI::App& command);
 Run add_params(CLI::App& command);
 Run add_bench(CLI::App& command);
 Run add_simulate(CLI::App& command);

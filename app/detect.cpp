@@ -1,6 +1,8 @@
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -8,6 +10,7 @@
 #include "brink/files.hpp"
 #include "brink/overlay.hpp"
 #include "brink/pictures.hpp"
+#include "brink/trajectory.hpp"
 #include "common.hpp"
 
 namespace brink::app {
@@ -18,6 +21,7 @@ struct DetectOptions {
   MethodOptions method;
   std::string out = "-";
   std::string overlay;
+  std::string poses;
   int threads = 0;
   bool stills = false;
 };
@@ -63,13 +67,15 @@ void write_overlays(const OutputFolder& folder, const Frame& frame, const Detect
   write("drops", draw_obstacles(frame, detection));
 }
 
-void say_what_is_validated(bool pair, bool stills) {
-  if (pair) {
-    say("one pair: candidates are reported as obstacles at once, as with --stills");
-  } else if (!stills) {
-    say("this version has no ego-motion, so nothing is validated: candidates are in \"tracks\"; --stills reports them as "
-        "obstacles");
+/// The poses of --poses, one for each frame.
+std::vector<Eigen::Isometry3d> read_given_poses(const std::string& path, const Sequence& sequence) {
+  if (path.empty()) return {};
+  std::vector<Eigen::Isometry3d> poses = read_trajectory(path).world_from_camera;
+  if (poses.size() != static_cast<std::size_t>(sequence.size())) {
+    throw std::runtime_error(
+        fmt::format("{}: has {} poses, expected one for each of {} frames", path, poses.size(), sequence.size()));
   }
+  return poses;
 }
 
 int detect(const DetectOptions& options) {
@@ -83,36 +89,41 @@ int detect(const DetectOptions& options) {
   OutputFile out(options.out);
 
   Summary summary;
-  process_sequence(sequence, params, [&](const FrameReading& reading, const Detection& detection) {
+  const auto on_frame = [&](const FrameReading& reading, const Detection& detection) {
     const bool readable = reading.status == FrameStatus::ok;
     if (!readable) say(reading.reason);
     out.write(to_json_line(detection));
     if (readable && overlay) write_overlays(*overlay, reading.frame, detection, params.candidates);
     summary.add(detection);
-  });
+  };
+  const bool whole = process_sequence(sequence, params, on_frame, read_given_poses(options.poses, sequence));
   if (summary.ok == 0) {
     if (!pair) say(fmt::format("none of {} frames can be used", summary.frames));
     return kExitData;
   }
   out.commit();
-  say_what_is_validated(pair, params.stills);
+  if (pair) say("one pair: candidates are reported as obstacles at once, as with --stills");
   say(summary.text());
-  return kExitOk;
+  if (!whole) say(fmt::format("interrupted after {} of {} frames, which are written", summary.frames, sequence.size()));
+  return whole ? kExitOk : kExitInterrupted;
 }
 
 }  // namespace
 
-void process_sequence(const Sequence& sequence, const DetectorParams& params, const ProcessedFrame& on_frame) {
+bool process_sequence(const Sequence& sequence, const DetectorParams& params, const ProcessedFrame& on_frame,
+                      const std::vector<Eigen::Isometry3d>& world_from_camera) {
   Detector detector(params);
   Progress progress(sequence.size());
-  for (int position = 0; position < sequence.size(); ++position) {
-    const FrameReading reading = sequence.read(position);
+  for (int position = 0; position < sequence.size() && !is_interrupted(); ++position) {
+    FrameReading reading = sequence.read(position);
+    const Frame& frame = reading.frame;
+    if (!world_from_camera.empty()) reading.frame.world_from_camera = world_from_camera[static_cast<std::size_t>(position)];
     const bool readable = reading.status == FrameStatus::ok;
-    on_frame(reading, readable
-                          ? detector.process(reading.frame)
-                          : make_failed_detection(reading.frame.index, reading.frame.time, reading.status, reading.reason));
+    on_frame(reading, readable ? detector.process(frame)
+                               : detector.process_failed(frame.index, frame.time, reading.status, reading.reason));
     progress.tell(position + 1);
   }
+  return !is_interrupted();
 }
 
 Run add_detect(CLI::App& command) {
@@ -128,13 +139,20 @@ Run add_detect(CLI::App& command) {
       ->type_name("FOLDER");
   command.add_flag("--stills", options->stills,
                    "The pictures are unrelated: report every candidate at once instead of following it over frames");
+  command
+      .add_option(
+          "--poses", options->poses,
+          "Poses of the left camera, one for each frame, in KITTI's or TUM's format: used instead of the motion measured in "
+          "the pictures")
+      ->type_name("FILE");
   add_method_options(command, options->method);
   add_threads_option(command, options->threads);
   command.footer(
       "Examples:\n"
-      "  brink detect walk/ --stills --out walk.jsonl --overlay pictures/\n"
+      "  brink detect walk/ --out walk.jsonl --overlay pictures/\n"
       "  brink detect left.png --right right.png --calib calib.txt\n"
       "  brink detect potholes/ --stills --set candidates.min_depth_m=0.01\n"
+      "Ctrl-C ends cleanly: what is done so far is written, and the exit code is 130.\n"
       "A frame that cannot be read is told on standard error and in the output, and the next one goes on. When no frame at all "
       "can\n"
       "be used, the exit code is 1 and no file is written.");

@@ -79,8 +79,10 @@ void run_missing(const std::vector<EvaluationPair>& pairs, const std::string& re
   for (const EvaluationPair& pair : pairs) {
     if (fs::exists(pair.detections, error)) continue;
     OutputFile out(pair.detections);
-    process_sequence(open_sequence(pair.truth), params,
-                     [&out](const FrameReading&, const Detection& detection) { out.write(to_json_line(detection)); });
+    const auto on_frame = [&out](const FrameReading&, const Detection& detection) { out.write(to_json_line(detection)); };
+    if (!process_sequence(open_sequence(pair.truth), params, on_frame)) {
+      throw std::runtime_error(pair.truth + ": interrupted; the same command goes on with this sequence");
+    }
     out.commit();
   }
 }

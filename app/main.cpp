@@ -22,9 +22,10 @@ struct Command {
   Run (*add)(CLI::App&);
 };
 
-constexpr std::array<Command, 7> kCommands{{
+constexpr std::array<Command, 8> kCommands{{
     {"detect", "Find where the ground goes down, in one stereo pair or a sequence", add_detect},
     {"disparity", "Compute the disparity image of one stereo pair", add_disparity},
+    {"odometry", "Compute the path of the camera through a sequence", add_odometry},
     {"params", "List every parameter with its value, unit and meaning", add_params},
     {"bench", "Measure how long each stage takes on this machine", add_bench},
     {"simulate", "Make a virtual walk with exact truth", add_simulate},
@@ -80,6 +81,7 @@ int run(int argc, char** argv) {
     say("no command given, expected one of those that brink --help lists ");
     return kExitUsage;
   }
+  catch_interruption();
   return runs.at(app.get_subcommands().front())();
 }
 

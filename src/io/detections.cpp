@@ -13,7 +13,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kMetreDigits = 4;
 constexpr int kDegreeDigits = 3;
-constexpr int kTimeDigits = 6;  // of seconds
+constexpr int kMotionDigits = 8;  // of current_from_previous: added up over thousands of frames
+constexpr int kTimeDigits = 6;    // of seconds
 constexpr int kMillisecondDigits = 3;
 constexpr int kShareDigits = 3;  // of what lies in 0..1
 
@@ -97,11 +98,32 @@ Json rejected(const std::vector<Candidate>& list) {
   return json;
 }
 
+Json ego_motion(const Detection& detection) {
+  const EgoMotionEstimate& estimate = detection.ego_motion;
+  Json json = {{"state", to_string(detection.ego_motion_state)}};
+  if (!estimate.reason.empty()) json["reason"] = estimate.reason;
+  if (detection.ego_motion_state == EgoMotionState::none) return json;
+  json["matches"] = estimate.matches;
+  json["inliers"] = estimate.inliers;
+  if (!estimate.motion) return json;
+  const Eigen::Matrix4d motion = estimate.motion->current_from_previous.matrix();
+  Json rows = Json::array();
+  for (const auto row : motion.rowwise()) {
+    Json numbers = Json::array();
+    for (const double number : row) numbers.push_back(rounded(number, kMotionDigits));
+    rows.push_back(numbers);
+  }
+  json["current_from_previous"] = rows;
+  return json;
+}
+
 Json times(const StageTimes& times) {
   return {{"disparity", rounded(times.disparity, kMillisecondDigits)},
           {"ground", rounded(times.ground, kMillisecondDigits)},
           {"below_ground", rounded(times.below_ground, kMillisecondDigits)},
           {"no_disparity", rounded(times.no_disparity, kMillisecondDigits)},
+          {"ego_motion", rounded(times.ego_motion, kMillisecondDigits)},
+          {"tracking", rounded(times.tracking, kMillisecondDigits)},
           {"total", rounded(times.total, kMillisecondDigits)}};
 }
 
@@ -112,7 +134,7 @@ std::string to_json_line(const Detection& detection) {
       {"frame", detection.frame}, {"time", rounded(detection.time, kTimeDigits)}, {"status", to_string(detection.status)}};
   if (!detection.reason.empty()) json["reason"] = detection.reason;
   json["ground"] = ground(detection.ground);
-  json["ego_motion"] = {{"state", "none"}};
+  json["ego_motion"] = ego_motion(detection);
   json["obstacles"] = obstacles(detection.obstacles);
   json["tracks"] = obstacles(detection.tracks);
   json["rejected"] = rejected(detection.rejected);

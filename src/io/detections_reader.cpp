@@ -203,8 +203,38 @@ StageTimes read_times(const Node& node) {
   times.ground = read_number(node, "ground");
   times.below_ground = read_number(node, "below_ground");
   times.no_disparity = read_number(node, "no_disparity");
+  times.ego_motion = read_number(node, "ego_motion");
+  times.tracking = read_number(node, "tracking");
   times.total = read_number(node, "total");
   return times;
+}
+
+Eigen::Isometry3d read_motion(const Node& node) {
+  const Json& rows = node.object.at("current_from_previous");
+  const std::string name = node.path + "current_from_previous";
+  Eigen::Matrix4d matrix;
+  if (!rows.is_array() || rows.size() != 4) fail(name, rows, "4 rows of 4 numbers");
+  for (Eigen::Index row = 0; row < 4; ++row) {
+    const Json& numbers = rows[static_cast<std::size_t>(row)];
+    if (!numbers.is_array() || numbers.size() != 4) fail(name, rows, "4 rows of 4 numbers");
+    for (Eigen::Index column = 0; column < 4; ++column) {
+      const Json& number = numbers[static_cast<std::size_t>(column)];
+      if (!number.is_number()) fail(name, number, "a number");
+      matrix(row, column) = number.get<double>();
+    }
+  }
+  return Eigen::Isometry3d(matrix);
+}
+
+void read_ego_motion(const Node& node, Detection& detection) {
+  detection.ego_motion_state = read_choice(
+      node, "state", std::array{EgoMotionState::none, EgoMotionState::ok, EgoMotionState::failed, EgoMotionState::given});
+  if (node.object.contains("reason")) detection.ego_motion.reason = read_text(node, "reason");
+  if (detection.ego_motion_state == EgoMotionState::none) return;
+  detection.ego_motion.matches = read_count(node, "matches");
+  detection.ego_motion.inliers = read_count(node, "inliers");
+  if (!node.object.contains("current_from_previous")) return;
+  detection.ego_motion.motion = EgoMotion{.current_from_previous = read_motion(node), .covariance = {}};
 }
 
 Json parse_object(const std::string& line) {
@@ -231,6 +261,7 @@ Detection parse_detection(const std::string& line) {
   detection.status = read_choice(node, "status", std::array{FrameStatus::ok, FrameStatus::no_picture, FrameStatus::bad_frame});
   if (json.contains("reason")) detection.reason = read_text(node, "reason");
   detection.ground = read_ground(child(node, "ground"));
+  read_ego_motion(child(node, "ego_motion"), detection);
   detection.obstacles = read_list(node, "obstacles", read_obstacle);
   detection.tracks = read_list(node, "tracks", read_obstacle);
   detection.rejected = read_list(node, "rejected", read_rejected);

@@ -112,6 +112,62 @@ std::vector<ParameterEntry> candidates_table(CandidateParams& p) {
   };
 }
 
+std::vector<ParameterEntry> ego_motion_table(EgoMotionParams& p) {
+  return {
+      {"ego_motion.half_resolution_from_px", &p.half_resolution_from_px, "px",
+       "pictures of at least this many pixels are searched for features at half size"},
+      {"ego_motion.feature_radius_px", &p.feature_radius_px, "px",
+       "no stronger feature within this distance, px of the searched picture"},
+      {"ego_motion.min_response", &p.min_response, "", "least |filter response| of a feature"},
+      {"ego_motion.feature_bucket_px", &p.feature_bucket_px, "px", "of each square of this size ..."},
+      {"ego_motion.features_per_bucket", &p.features_per_bucket, "", "... so many of the strongest features are kept"},
+      {"ego_motion.search_deg", &p.search_deg, "degrees", "half window around the predicted place"},
+      {"ego_motion.wide_search_deg", &p.wide_search_deg, "degrees",
+       "half window where nothing is predicted, or that prediction was wrong"},
+      {"ego_motion.max_disparity_px", &p.max_disparity_px, "px", "greatest disparity of a feature"},
+      {"ego_motion.row_tolerance_px", &p.row_tolerance_px, "px", "difference of rows between left and right"},
+      {"ego_motion.max_match_cost", &p.max_match_cost, "", "greatest difference of two descriptors, 0 .. 8160"},
+      {"ego_motion.match_ratio", &p.match_ratio, "", "the best match must cost less than this times the second best"},
+      {"ego_motion.neighbour_radius_px", &p.neighbour_radius_px, "px", "matches within this distance are compared"},
+      {"ego_motion.neighbour_tolerance_px", &p.neighbour_tolerance_px, "px",
+       "they agree when flow and disparity differ by less than this ..."},
+      {"ego_motion.neighbour_tolerance", &p.neighbour_tolerance, "",
+       "... plus this share of their distance: flow changes over slanted ground"},
+      {"ego_motion.neighbour_support", &p.neighbour_support, "", "agreeing neighbours that a match needs"},
+      {"ego_motion.bucket_px", &p.bucket_px, "px", "of each square of this size ..."},
+      {"ego_motion.matches_per_bucket", &p.matches_per_bucket, "", "... so many of the best matches are kept"},
+      {"ego_motion.match_noise_px", &p.match_noise_px, "px", "standard deviation of a feature's place"},
+      {"ego_motion.ransac_iterations", &p.ransac_iterations, "", "samples of three matches at most"},
+      {"ego_motion.seed", &p.seed, "", "of these samples"},
+      {"ego_motion.inlier_sigmas", &p.inlier_sigmas, "", "error of an inlier, expected standard deviations"},
+      {"ego_motion.min_inliers", &p.min_inliers, "", "fewer give no motion"},
+      {"ego_motion.min_inlier_ratio", &p.min_inlier_ratio, "", "inliers among the matches, less give no motion"},
+      {"ego_motion.keyframes", &p.keyframes, "", "older frames that motions are measured against"},
+      {"ego_motion.keyframe_points", &p.keyframe_points, "", "most points of one"},
+      {"ego_motion.keyframe_overlap", &p.keyframe_overlap, "",
+       "a new one is made when a smaller share of the newest one's points is seen"},
+      {"ego_motion.slope_radius_px", &p.slope_radius_px, "px", "a surface's slope is fitted to points this near"},
+      {"ego_motion.disparity_offset_sd_px", &p.disparity_offset_sd_px, "px",
+       "constant error of disparities that rectification may leave, estimated; 0 = none"},
+      {"ego_motion.max_translation_sd_m", &p.max_translation_sd_m, "m",
+       "a motion known worse than this is none, standard deviation in any direction"},
+      {"ego_motion.max_rotation_sd_deg", &p.max_rotation_sd_deg, "degrees", "likewise"},
+      {"ego_motion.gyroscope_tolerance_deg", &p.gyroscope_tolerance_deg, "degrees",
+       "a motion whose rotation differs more from the gyroscope's is none"},
+      {"ego_motion.turn_jerk_deg", &p.turn_jerk_deg, "degrees", "velocity filter: change of angular acceleration, degrees/s^3"},
+      {"ego_motion.jerk_m", &p.jerk_m, "m", "velocity filter: change of acceleration, m/s^3"},
+  };
+}
+
+std::vector<ParameterEntry> tracking_table(TrackingParams& p) {
+  return {
+      {"tracking.association_radius_m", &p.association_radius_m, "m",
+       "a centroid is the same candidate's as one that was this near a frame ago"},
+      {"tracking.validation_s", &p.validation_s, "s", "a candidate is validated when it was seen in a row for this long"},
+      {"tracking.min_sightings", &p.min_sightings, "", "but never before it was seen so often"},
+  };
+}
+
 }  // namespace
 
 std::vector<ParameterEntry> parameter_table(DetectorParams& params) {
@@ -125,6 +181,8 @@ std::vector<ParameterEntry> parameter_table(DetectorParams& params) {
   append(table, sgbm_table(params.disparity.sgbm));
   append(table, ground_table(params.ground));
   append(table, candidates_table(params.candidates));
+  append(table, ego_motion_table(params.ego_motion));
+  append(table, tracking_table(params.tracking));
   return table;
 }
 

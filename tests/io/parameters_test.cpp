@@ -44,8 +44,10 @@ TEST(Parameters, AreAsManyAsTheStructuresHaveFields) {
   EXPECT_EQ(count_keys("sgbm"), test::count_fields<SgbmParams>());
   EXPECT_EQ(count_keys("ground"), test::count_fields<GroundParams>());
   EXPECT_EQ(count_keys("candidates"), test::count_fields<CandidateParams>());
+  EXPECT_EQ(count_keys("ego_motion"), test::count_fields<EgoMotionParams>());
+  EXPECT_EQ(count_keys("tracking"), test::count_fields<TrackingParams>());
   EXPECT_EQ(count_keys("disparity"), test::count_fields<DisparityParams>() - 3);  // elas, bm and sgbm are groups of their own
-  EXPECT_EQ(count_keys("detector"), test::count_fields<DetectorParams>() - 3);    // so are disparity, ground and candidates
+  EXPECT_EQ(count_keys("detector"), test::count_fields<DetectorParams>() - 5);    // so are the stages
 }
 
 TEST(Parameters, EachHasItsOwnKeyAndAMeaning) {

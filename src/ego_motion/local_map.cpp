@@ -1,0 +1,216 @@
+#include "ego_motion/local_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <tbb/parallel_for.h>
+
+namespace brink {
+namespace {
+
+constexpr double kStereoReach = 3.0;     // px: features are found to a pixel or two
+constexpr double kTemporalReach = 3.0;   // px
+constexpr double kRowTolerance = 1.5;    // px: of the aligned rows of a pair
+constexpr double kModelError = 0.03;     // px: what warping and interpolation leave, whatever the levels tell
+constexpr double kMaxVariance = 0.25;    // px^2: disparities known worse are left out
+constexpr double kLeastDisparity = 0.3;  // px
+
+Eigen::Matrix2d with_model_error(const Eigen::Matrix2d& covariance) {
+  return covariance + kModelError * kModelError * Eigen::Matrix2d::Identity();
+}
+
+/// The strongest matched feature of each square of the left picture, so many squares that about `count` remain.
+std::vector<StereoMatch> spread(const std::vector<StereoMatch>& matches, const StereoFeatures& features, cv::Size size,
+                                int count) {
+  const double side = std::sqrt(static_cast<double>(size.area()) / count);
+  std::map<std::pair<int, int>, StereoMatch> squares;
+  for (const StereoMatch& match : matches) {
+    const Feature& feature = features.left[match.left];
+    const std::pair square(static_cast<int>(feature.position.y / side), static_cast<int>(feature.position.x / side));
+    const auto [kept, is_new] = squares.emplace(square, match);
+    if (!is_new && feature.strength > features.left[kept->second.left].strength) kept->second = match;
+  }
+  std::vector<StereoMatch> result;
+  for (const auto& [square, match] : squares) result.push_back(match);
+  return result;
+}
+
+/// How a patch of the left picture shows in the right one.
+Eigen::Matrix2d stereo_warp(const Eigen::Vector2d& slope) {
+  Eigen::Matrix2d warp;
+  warp << 1.0 - slope.x(), -slope.y(), 0.0, 1.0;
+  return warp;
+}
+
+/// Finds the point in the right picture. @return whether it was found, on its row.
+bool measure_disparity(MapPoint& point, const cv::Mat1b& right, double offset) {
+  const Eigen::Vector2d left(point.patch.centre.x, point.patch.centre.y);
+  const auto aligned = align_patch(point.patch, right, left - Eigen::Vector2d(point.disparity - offset, 0.0),
+                                   stereo_warp(point.slope), kStereoReach);
+  if (!aligned || std::abs(aligned->position.y() - left.y()) > kRowTolerance) return false;
+  const Eigen::Matrix2d covariance = with_model_error(aligned->covariance);
+  point.disparity = left.x() - aligned->position.x() + offset;
+  point.variance = covariance(0, 0);
+  point.row_offset = aligned->position.y() - left.y();
+  point.row_variance = covariance(1, 1);
+  return point.disparity > kLeastDisparity;
+}
+
+/// Slope of the surface through its neighbours, by reweighted least squares: those of another surface count nothing.
+Eigen::Vector2d fit_slope(const MapPoint& point, const std::vector<MapPoint>& points, double radius) {
+  constexpr int kRounds = 4;
+  constexpr double kTolerance = 0.5;   // px: disparity off the surface
+  constexpr double kStiffness = 50.0;  // px^2: keeps a slope from one or two neighbours small
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::Matrix2d hessian = kStiffness * Eigen::Matrix2d::Identity();
+    Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
+    for (const MapPoint& other : points) {
+      const Eigen::Vector2d apart(other.patch.centre.x - point.patch.centre.x, other.patch.centre.y - point.patch.centre.y);
+      if (apart.norm() > radius) continue;
+      const double difference = other.disparity - point.disparity;
+      const double off = (difference - slope.dot(apart)) / (kTolerance * (kRounds - round));
+      const double weight = 1.0 / ((1.0 + off * off) * (1.0 + off * off));
+      hessian += weight * apart * apart.transpose();
+      gradient += weight * apart * difference;
+    }
+    slope = hessian.llt().solve(gradient);
+  }
+  return slope;
+}
+
+void keep_found(std::vector<MapPoint>& points, const std::vector<char>& found) {
+  std::size_t i = 0;
+  std::erase_if(points, [&](const MapPoint&) { return found[i++] == 0; });
+}
+
+void measure_disparities(std::vector<MapPoint>& points, const cv::Mat1b& right, double offset) {
+  std::vector<char> found(points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(),
+                    [&](std::size_t i) { found[i] = measure_disparity(points[i], right, offset) ? 1 : 0; });
+  keep_found(points, found);
+}
+
+/// A pixel of a keyframe, with its disparity, as the current cameras see it: column and row left, then right.
+Eigen::Vector4d transfer(const Eigen::Vector3d& pixel, const StereoCamera& camera,
+                         const Eigen::Isometry3d& current_from_keyframe) {
+  return project_stereo(camera, current_from_keyframe * camera.triangulate(pixel.x(), pixel.y(), pixel.z()));
+}
+
+std::optional<Sighting> find_point(const MapPoint& point, const Keyframe& keyframe, const SmoothPair& current,
+                                   const StereoCamera& camera, const Eigen::Isometry3d& current_from_previous, double offset) {
+  const Eigen::Isometry3d current_from_keyframe = current_from_previous * keyframe.frame_from_keyframe;
+  const Eigen::Vector3d centre(point.patch.centre.x, point.patch.centre.y, point.disparity);
+  const Eigen::Vector3d in_keyframe = camera.triangulate(centre.x(), centre.y(), centre.z());
+  const Eigen::Vector3d now = current_from_keyframe * in_keyframe;
+  if (now.z() < camera.baseline) return std::nullopt;  // behind the camera, or nearer than any disparity is searched
+  // The surface of the patch is a plane: its slope tells how the patch is warped.
+  const Eigen::Vector3d along_u(1.0, 0.0, point.slope.x());
+  const Eigen::Vector3d along_v(0.0, 1.0, point.slope.y());
+  if (centre.z() <= std::max(std::abs(point.slope.x()), std::abs(point.slope.y()))) return std::nullopt;
+  const Eigen::Vector4d predicted = project_stereo(camera, now);
+  const Eigen::Vector4d by_u = 0.5 * (transfer(centre + along_u, camera, current_from_keyframe) -
+                                      transfer(centre - along_u, camera, current_from_keyframe));
+  const Eigen::Vector4d by_v = 0.5 * (transfer(centre + along_v, camera, current_from_keyframe) -
+                                      transfer(centre - along_v, camera, current_from_keyframe));
+  Eigen::Matrix2d left_warp;
+  Eigen::Matrix2d right_warp;
+  left_warp << by_u.head<2>(), by_v.head<2>();
+  right_warp << by_u.tail<2>(), by_v.tail<2>();
+  const auto left = align_patch(point.patch, current.left, predicted.head<2>(), left_warp, kTemporalReach);
+  if (!left) return std::nullopt;
+  const auto right = align_patch(point.patch, current.right, predicted.tail<2>() + Eigen::Vector2d(offset, point.row_offset),
+                                 right_warp, kTemporalReach);
+  if (!right || std::abs(left->position.y() - right->position.y()) > kRowTolerance) return std::nullopt;
+  Sighting sighting;
+  sighting.observation.point = keyframe.frame_from_keyframe * in_keyframe;
+  // What rectification left in the columns of all, and in the rows of this point when it was new, is taken away.
+  sighting.observation.pixel << left->position, right->position.x() - offset, right->position.y() - point.row_offset;
+  sighting.pixel_covariance.setZero();
+  sighting.pixel_covariance.topLeftCorner<2, 2>() = with_model_error(left->covariance);
+  sighting.pixel_covariance.bottomRightCorner<2, 2>() = with_model_error(right->covariance);
+  sighting.pixel_covariance(3, 3) += point.row_variance;
+  sighting.by_disparity =
+      project_stereo_jacobian(camera, now) * (current_from_keyframe.linear() * in_keyframe) / -point.disparity;
+  sighting.observation.by_offset = sighting.by_disparity + Eigen::Vector4d::Unit(2);
+  sighting.observation.sqrt_information =
+      compute_sqrt_information(sighting.pixel_covariance, point.variance, sighting.by_disparity);
+  return sighting;
+}
+
+/// One step of a Kalman filter on the disparity of the point.
+void improve_disparity(MapPoint& point, const Sighting& sighting, const StereoCamera& camera, const MotionFit& fit) {
+  const Eigen::Vector4d residual = sighting.observation.pixel -
+                                   project_stereo(camera, fit.current_from_previous * sighting.observation.point) -
+                                   fit.offset * sighting.observation.by_offset;
+  const Eigen::Vector4d weighted = sighting.pixel_covariance.llt().solve(sighting.by_disparity);
+  const double information = 1.0 / point.variance + weighted.dot(sighting.by_disparity);
+  point.variance = 1.0 / information;
+  point.disparity = std::max(point.disparity + point.variance * weighted.dot(residual), kLeastDisparity);
+}
+
+}  // namespace
+
+Keyframe make_keyframe(const SmoothPair& pictures, const StereoFeatures& features, double offset,
+                       const EgoMotionParams& params) {
+  Keyframe keyframe;
+  for (const StereoMatch& match :
+       spread(match_stereo(features, params), features, pictures.left.size(), params.keyframe_points)) {
+    const cv::Point2f left = features.left[match.left].position;
+    const auto patch = make_patch(pictures.left, cv::Point(cvRound(left.x), cvRound(left.y)));
+    if (!patch) continue;
+    MapPoint point;
+    point.patch = *patch;
+    point.disparity = left.x - features.right[match.right].position.x + offset;
+    keyframe.points.push_back(point);
+  }
+  measure_disparities(keyframe.points, pictures.right, offset);
+  const std::vector<MapPoint> flat = keyframe.points;
+  for (MapPoint& point : keyframe.points) point.slope = fit_slope(point, flat, params.slope_radius_px);
+  measure_disparities(keyframe.points, pictures.right, offset);
+  std::erase_if(keyframe.points, [&](const MapPoint& point) { return point.variance > kMaxVariance; });
+  return keyframe;
+}
+
+std::vector<Sighting> find_sightings(const std::vector<Keyframe>& keyframes, const SmoothPair& current,
+                                     const StereoCamera& camera, const Eigen::Isometry3d& current_from_previous,
+                                     double offset) {
+  std::vector<Sighting> sightings;
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    const Keyframe& keyframe = keyframes[k];
+    std::vector<std::optional<Sighting>> found(keyframe.points.size());
+    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
+      found[i] = find_point(keyframe.points[i], keyframe, current, camera, current_from_previous, offset);
+    });
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (!found[i]) continue;
+      found[i]->keyframe = k;
+      found[i]->point = i;
+      sightings.push_back(*found[i]);
+    }
+  }
+  return sightings;
+}
+
+std::vector<Keyframe> move_on(std::vector<Keyframe> keyframes, const std::vector<Sighting>& sightings,
+                              const StereoCamera& camera, const MotionFit& fit, double limit) {
+  for (Keyframe& keyframe : keyframes) {
+    keyframe.inliers = 0;
+    keyframe.frame_from_keyframe = fit.current_from_previous * keyframe.frame_from_keyframe;
+    for (MapPoint& point : keyframe.points) point.disparity = std::max(point.disparity + fit.offset, kLeastDisparity);
+  }
+  for (const Sighting& sighting : sightings) {
+    if (compute_error(sighting.observation, camera, fit.current_from_previous) >= limit) continue;
+    Keyframe& keyframe = keyframes[sighting.keyframe];
+    ++keyframe.inliers;
+    improve_disparity(keyframe.points[sighting.point], sighting, camera, fit);
+  }
+  return keyframes;
+}
+
+}  // namespace brink
