@@ -112,6 +112,7 @@ int detect(const DetectOptions& options) {
 
 bool process_sequence(const Sequence& sequence, const DetectorParams& params, const ProcessedFrame& on_frame,
                       const std::vector<Eigen::Isometry3d>& world_from_camera) {
+  catch_interruption();
   Detector detector(params);
   Progress progress(sequence.size());
   for (int position = 0; position < sequence.size() && !is_interrupted(); ++position) {

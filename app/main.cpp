@@ -81,7 +81,6 @@ int run(int argc, char** argv) {
     say("no command given, expected one of those that brink --help lists ");
     return kExitUsage;
   }
-  catch_interruption();
   return runs.at(app.get_subcommands().front())();
 }
 

@@ -38,6 +38,7 @@ int compute_path(const OdometryOptions& options) {
   Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
   Trajectory path;
   int failed = 0;
+  catch_interruption();
   Progress progress(sequence.size());
   for (int position = 0; position < sequence.size() && !is_interrupted(); ++position) {
     const FrameReading reading = sequence.read(position);
@@ -52,16 +53,18 @@ int compute_path(const OdometryOptions& options) {
     path.world_from_camera.push_back(world_from_camera);
     progress.tell(position + 1);
   }
-  if (sequence.size() > 1 && failed == sequence.size() - 1) {
+  if (path.times.size() > 1 && failed == static_cast<int>(path.times.size()) - 1) {
     say(fmt::format("no motion between any of {} frames", sequence.size()));
     return kExitData;
   }
+  if (is_interrupted())
+    say(fmt::format("interrupted after {} of {} frames, which are written", path.times.size(), sequence.size()));
   out.write(options.format == PoseFormat::tum ? to_tum(path) : to_kitti(path));
   out.commit();
   say(fmt::format("{} frames, {:.2f} m from start to end; {} steps without motion{}", sequence.size(),
                   world_from_camera.translation().norm(), failed,
                   failed > 0 ? ": the poses stand still there, and all later ones are off by what was missed" : ""));
-  return kExitOk;
+  return is_interrupted() ? kExitInterrupted : kExitOk;
 }
 
 }  // namespace

@@ -147,7 +147,9 @@ void Detector::report(const Frame& frame, Detection& detection) {
   if (params_.stills) {  // without a past there is nothing to validate with
     for (const Candidate& candidate : detection.candidates) {
       const NegativeObstacle obstacle{.id = static_cast<int>(detection.obstacles.size() + detection.tracks.size()) + 1,
-                                      .candidate = candidate};
+                                      .candidate = candidate,
+                                      .track_length = 1,
+                                      .probability = {}};
       (in_range(candidate) ? detection.obstacles : detection.tracks).push_back(obstacle);
     }
     return;
@@ -155,7 +157,8 @@ void Detector::report(const Frame& frame, Detection& detection) {
   std::optional<Eigen::Isometry3d> current_from_previous;
   if (detection.ego_motion.motion) current_from_previous = detection.ego_motion.motion->current_from_previous;
   for (const Track& track : tracker_.update(detection.candidates, current_from_previous, frame.time)) {
-    const NegativeObstacle obstacle{.id = track.id, .candidate = track.candidate, .track_length = track.length};
+    const NegativeObstacle obstacle{
+        .id = track.id, .candidate = track.candidate, .track_length = track.length, .probability = {}};
     (track.validated && in_range(track.candidate) ? detection.obstacles : detection.tracks).push_back(obstacle);
   }
 }

@@ -211,7 +211,7 @@ StageTimes read_times(const Node& node) {
 
 Eigen::Isometry3d read_motion(const Node& node) {
   const Json& rows = node.object.at("current_from_previous");
-  const std::string name = node.path + "current_from_previous";
+  const std::string name = node.way + "current_from_previous";
   Eigen::Matrix4d matrix;
   if (!rows.is_array() || rows.size() != 4) fail(name, rows, "4 rows of 4 numbers");
   for (Eigen::Index row = 0; row < 4; ++row) {
