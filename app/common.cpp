@@ -19,6 +19,12 @@ namespace {
 
 constexpr const char* kClearLine = "\r\x1b[K";  // on a terminal; there a bar may stand in the line
 
+/// Says what the input was recognised as and what is odd about it.
+Sequence announced(Sequence sequence) {
+  for (const std::string& remark : sequence.remarks()) say(remark);
+  return sequence;
+}
+
 bool is_terminal() { return ::isatty(STDERR_FILENO) != 0; }
 
 }  // namespace
@@ -73,7 +79,7 @@ Sequence open_input(const InputOptions& options) {
           "{} is a folder, which holds its right pictures and calib.txt itself: --right and --calib go with one picture",
           options.input));
     }
-    return open_sequence(options.input);
+    return announced(open_sequence(options.input));
   }
   if (!std::filesystem::exists(options.input, error)) throw std::runtime_error(options.input + ": no such file or folder");
   if (options.right.empty() || options.calibration.empty()) {

@@ -125,8 +125,9 @@ TEST(OpenSequence, IgnoresOtherFiles) {
 TEST(OpenSequence, RefusesAFolderThatIsNoSequence) {
   test::expect_line_with(test::error_of<std::runtime_error>([] { open_sequence("/nowhere"); }), "/nowhere: no such folder");
   const test::TemporaryFolder folder;
-  test::expect_line_with(fault(folder),
-                         "no pictures, expected folders image_2 and image_3 (colour) or image_0 and image_1 (grey)");
+  test::expect_line_with(
+      fault(folder),
+      "no pictures, expected folders image_2 and image_3 (colour), image_0 and image_1 (grey), or mav0 (EuRoC/ASL)");
   std::filesystem::create_directories(folder / "image_0");
   std::filesystem::create_directories(folder / "image_1");
   test::expect_line_with(fault(folder), "calib.txt: no such file");
@@ -167,7 +168,7 @@ TEST(OpenSequence, RefusesWrongTimes) {
   (void)folder.add("times.txt", "0\nnan\n2\n");
   test::expect_line_with(fault(folder), "times.txt: time 2 = nan, expected seconds");
   (void)folder.add("times.txt", "0\n2\n1\n");
-  test::expect_line_with(fault(folder), "times.txt: time 3 = 1, expected at least the one before, 2");
+  test::expect_line_with(fault(folder), "times.txt: time 3 = 1, expected more than the one before, 2");
 }
 
 TEST(OpenPair, IsASequenceOfOneFrame) {

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "brink/calibration.hpp"
+
+namespace brink {
+
+/// Paths by frame number.
+using NumberedFiles = std::map<int, std::string>;
+
+/// The PNG and JPEG pictures of a folder by the number that each is named by; hidden and other files are left out.
+/// @throws std::runtime_error "path: ..." when a picture's name is no number, two have the same, or the folder cannot be read.
+NumberedFiles list_pictures(const std::filesystem::path& folder);
+
+/// Refuses a jump: more than 1000 missing numbers in a row are no gap but another numbering.
+/// @param numbers ascending. @throws std::runtime_error "folder: ..."
+void check_gaps(const std::filesystem::path& folder, const std::vector<int>& numbers);
+
+/// times.txt: seconds, one line per frame number from 0. @return empty when there is no such file.
+/// @throws std::runtime_error "path: ..." when a line is no number, times do not increase, or there is none for last_number.
+std::vector<double> read_times(const std::filesystem::path& path, int last_number);
+
+/// @throws std::invalid_argument unless the frame rate is more than 0 and at most 100,000 a second.
+void check_fps(double fps);
+
+/// When the frames of a folder were taken: times.txt, else number / fps, else the number itself.
+class FrameClock {
+ public:
+  /// @throws as read_times and check_fps do, and std::invalid_argument when there is times.txt and fps as well.
+  FrameClock(const std::filesystem::path& folder, int last_number, std::optional<double> fps);
+  /// s. @param number 0 .. last_number.
+  [[nodiscard]] double at(int number) const;
+
+ private:
+  std::vector<double> times_;
+  double fps_;
+};
+
+/// A line for people when one eye has more pictures than the other: how many each has and where partners are missing.
+/// @param left, right ascending numbers of the frames for which that eye has a picture. @return empty for equal counts.
+std::optional<std::string> unequal_counts(const std::string& folder, const std::vector<int>& left,
+                                          const std::vector<int>& right);
+
+/// The folders of both eyes' pictures, with the cameras of calib.txt that took them.
+struct Eyes {
+  std::filesystem::path left;
+  std::filesystem::path right;
+  CameraPair cameras = CameraPair::color;
+};
+/// Colour wins where there are both. @return empty when the sequence holds neither image_2 and image_3 nor image_0 and image_1.
+std::optional<Eyes> find_eyes(const std::filesystem::path& sequence);
+
+}  // namespace brink
