@@ -84,11 +84,12 @@ int detect(const DetectOptions& options) {
 
   Detector detector(params);
   Summary summary;
+  Faults faults;
   Progress progress(sequence.size());
   for (int position = 0; position < sequence.size(); ++position) {
     const FrameReading reading = sequence.read(position);
     const bool readable = reading.status == FrameStatus::ok;
-    if (!readable) say(reading.reason);
+    faults.tell(reading);
     const Detection detection =
         readable ? detector.process(reading.frame)
                  : make_failed_detection(reading.frame.index, reading.frame.time, reading.status, reading.reason);

@@ -42,7 +42,7 @@ StereoCalibration checked(const std::string& path, const StereoCamera& camera, c
     const char* hint = camera.baseline > 10.0 ? " (is it in millimetres?)" : "";
     fail_file(path, fmt::format("{}: {}{}", source, error.what(), hint));
   }
-  return {camera, source};
+  return {camera, source, {}};
 }
 
 // Projection matrices: f 0 cx tx, 0 f cy ty, 0 0 1 tz, row by row.
@@ -114,8 +114,19 @@ StereoCalibration from_reprojection(const std::string& path, const Numbers& q) {
   return checked(path, {focal, -q[3], -q[7], baseline}, "OpenCV, Q");
 }
 
-StereoCalibration read_opencv(const std::string& path, const std::string& text) {
-  const YAML::Node root = parse_opencv_yaml(path, text, "P1 and P2, or Q");
+cv::Size read_size(const std::string& path, const YAML::Node& root) {
+  if (!root["image_width"] || !root["image_height"]) return {};
+  cv::Size size;
+  for (const auto& [field, side] : {std::pair("image_width", &size.width), std::pair("image_height", &size.height)}) {
+    const std::string text = root[field].IsScalar() ? root[field].Scalar() : "a list";
+    const std::optional<int> number = parse_number<int>(text);
+    if (!number || *number < 1) fail_file(path, fmt::format("{} = {}, expected a whole number of pixels", field, text));
+    *side = *number;
+  }
+  return size;
+}
+
+StereoCalibration read_rectified_opencv(const std::string& path, const YAML::Node& root) {
   if (root["P1"] && root["P2"]) {
     return from_projections(path, "P1", read_numbers(path, "P1", root["P1"], kProjectionSize), "P2",
                             read_numbers(path, "P2", root["P2"], kProjectionSize), "OpenCV, P1 and P2");
@@ -129,6 +140,13 @@ StereoCalibration read_opencv(const std::string& path, const std::string& text) 
         "does not");
   }
   fail_file(path, fmt::format("{} is missing, expected P1 and P2, or Q", root["P1"] ? "P2" : "P1"));
+}
+
+StereoCalibration read_opencv(const std::string& path, const std::string& text) {
+  const YAML::Node root = parse_opencv_yaml(path, text, "P1 and P2, or Q");
+  StereoCalibration calibration = read_rectified_opencv(path, root);
+  calibration.size = read_size(path, root);
+  return calibration;
 }
 
 bool looks_like_kitti(const std::string& text) {

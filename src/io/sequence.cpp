@@ -25,12 +25,6 @@ std::vector<int> numbers_of(const NumberedFiles& pictures) {
   return numbers;
 }
 
-// A missing picture gets the name that it would have.
-std::string picture_or_expected(const NumberedFiles& pictures, const fs::path& folder, int number) {
-  const auto found = pictures.find(number);
-  return found != pictures.end() ? found->second : (folder / fmt::format("{:06}.png", number)).string();
-}
-
 std::vector<FrameStamp> stamps_of(const std::vector<FrameFiles>& files) {
   std::vector<FrameStamp> stamps;
   stamps.reserve(files.size());

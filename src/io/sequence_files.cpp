@@ -1,7 +1,6 @@
 #include "io/sequence_files.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <iterator>
 #include <sstream>
 #include <stdexcept>
@@ -10,28 +9,19 @@
 #include <fmt/format.h>
 
 #include "brink/files.hpp"
+#include "brink/pictures.hpp"
 #include "io/text.hpp"
 
 namespace brink {
 namespace fs = std::filesystem;
-namespace {
-
-bool is_picture_name(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  const bool hidden = path.filename().string().starts_with('.');
-  return !hidden && (extension == ".png" || extension == ".jpg" || extension == ".jpeg");
-}
-
-}  // namespace
 
 NumberedFiles list_pictures(const fs::path& folder) {
   NumberedFiles pictures;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const fs::path& path = entry.path();
-    if (!is_picture_name(path)) continue;
+    const bool hidden = path.filename().string().starts_with('.');
+    if (hidden || !is_picture_name(path.string())) continue;
     const std::optional<int> number = parse_number<int>(path.stem().string());
     if (!number || *number < 0) {
       throw std::runtime_error(fmt::format("{}: name is not a frame number, expected one like 000012.png", path.string()));
@@ -68,6 +58,11 @@ std::vector<double> read_times(const fs::path& path, int last_number) {
         fmt::format("{}: has {} times, expected one for each frame from 0 to {}", path.string(), times.size(), last_number));
   }
   return times;
+}
+
+std::string picture_or_expected(const NumberedFiles& pictures, const fs::path& folder, int number) {
+  const auto found = pictures.find(number);
+  return found != pictures.end() ? found->second : (folder / fmt::format("{:06}.png", number)).string();
 }
 
 void check_gaps(const fs::path& folder, const std::vector<int>& numbers) {

@@ -17,6 +17,9 @@ using NumberedFiles = std::map<int, std::string>;
 /// @throws std::runtime_error "path: ..." when a picture's name is no number, two have the same, or the folder cannot be read.
 NumberedFiles list_pictures(const std::filesystem::path& folder);
 
+/// The path of a frame's picture; a missing one has the name that it would have.
+std::string picture_or_expected(const NumberedFiles& pictures, const std::filesystem::path& folder, int number);
+
 /// Refuses a jump: more than 1000 missing numbers in a row are no gap but another numbering.
 /// @param numbers ascending. @throws std::runtime_error "folder: ..."
 void check_gaps(const std::filesystem::path& folder, const std::vector<int>& numbers);
