@@ -129,6 +129,7 @@ Run add_detect(CLI::App& command) {
       "Examples:\n"
       "  brink detect walk/ --stills --out walk.jsonl --overlay pictures/\n"
       "  brink detect left.png --right right.png --calib calib.txt\n"
+      "  brink detect side_by_side.mp4 --calib calib.txt --out walk.jsonl\n"
       "  brink detect potholes/ --stills --set candidates.min_depth_m=0.01\n"
       "A frame that cannot be read is told on standard error and in the output, and the next one goes on. When no frame at all "
       "can\n"
