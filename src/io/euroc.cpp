@@ -77,11 +77,14 @@ EurocCamera read_camera(const std::string& path) {
   constexpr std::size_t kWithK3 = 5;
   const std::vector<double> distortion =
       read_numbers(path, "distortion_coefficients", lens, lens.size() == kWithK3 ? kWithK3 : 4);
-  constexpr double kLargest = 1e5;  // px
   for (const double side : resolution) {
-    if (side < 1 || side > kLargest) fail_file(path, fmt::format("resolution = {}, expected 1 to {} px", side, kLargest));
+    constexpr double kLargest = 20000;
+    if (side < 1 || side > kLargest || side != std::floor(side)) {
+      fail_file(path, fmt::format("resolution = {}, expected whole numbers from 1 to {} px", side, kLargest));
+    }
   }
   for (const double focal : {intrinsics[0], intrinsics[1]}) {
+    constexpr double kLargest = 1e6;
     if (focal < 1 || focal > kLargest) fail_file(path, fmt::format("focal length = {}, expected 1 to {} px", focal, kLargest));
   }
   return {{intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3], cv::Mat1d(distortion, true).reshape(1, 1),

@@ -105,7 +105,7 @@ std::optional<std::string> unequal_counts(const std::string& folder, const std::
     return fmt::format("{}: from frame {} on the {} ones are missing", counts, alone.front(),
                        left_is_longer ? "right" : "left");
   }
-  return fmt::format("{}: {} frames have one only, the first of them is frame {}", counts, alone.size(), alone.front());
+  return fmt::format("{}: frames without a partner: {}, the first is frame {}", counts, alone.size(), alone.front());
 }
 
 std::optional<Eyes> find_eyes(const fs::path& folder) {

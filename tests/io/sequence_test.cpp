@@ -113,7 +113,7 @@ TEST(OpenSequence, TellsUnequalCounts) {
   EXPECT_EQ(tail.read(4).status, FrameStatus::no_picture);
   std::filesystem::remove(folder / "image_0/000001.png");
   test::expect_line_with(open_sequence(folder / "").remarks().at(0),
-                         ": 4 left and 3 right pictures: 3 frames have one only, the first of them is frame 1");
+                         ": 4 left and 3 right pictures: frames without a partner: 3, the first is frame 1");
 }
 
 TEST(OpenSequence, KeepsAFrameForEveryMissingPicture) {
