@@ -75,6 +75,7 @@ Sequence open_video(const std::string& path, const StereoCalibration& calibratio
   const double fps = given_fps.value_or(video.fps());
   if (fps == 0.0) throw std::runtime_error(path + ": tells no frame rate, expected it to be given (fps)");
   std::vector<FrameStamp> stamps;
+  stamps.reserve(static_cast<std::size_t>(video.frames()));
   for (int index = 0; index < video.frames(); ++index) stamps.push_back({index, index / fps});
   std::string remark = fmt::format("{}: side-by-side video, {} frames of 2 x {}x{} px, {:.4g} a second; calibration: {}", path,
                                    video.frames(), video.size().width / 2, video.size().height, fps, calibration.source);
