@@ -51,13 +51,11 @@ double peak_memory_mb() {
 // Decoding takes longer than several stages together and is no part of the method.
 std::vector<Frame> decode(const Sequence& sequence) {
   std::vector<Frame> frames;
+  Faults faults;
   for (int position = 0; position < sequence.size(); ++position) {
     FrameReading reading = sequence.read(position);
-    if (reading.status == FrameStatus::ok) {
-      frames.push_back(std::move(reading.frame));
-    } else {
-      say(reading.reason);
-    }
+    faults.tell(reading);
+    if (reading.status == FrameStatus::ok) frames.push_back(std::move(reading.frame));
   }
   return frames;
 }

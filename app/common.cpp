@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
 
@@ -14,6 +15,7 @@
 
 #include "brink/files.hpp"
 #include "brink/parameters.hpp"
+#include "brink/pictures.hpp"
 
 namespace brink::app {
 namespace {
@@ -25,6 +27,40 @@ volatile std::sig_atomic_t interrupted = 0;
 extern "C" void note_interruption(int signal) {
   interrupted = 1;
   std::signal(signal, SIG_DFL);
+}
+
+/// Says what the input was recognised as and what is odd about it.
+Sequence announced(Sequence sequence) {
+  for (const std::string& remark : sequence.remarks()) say(remark);
+  return sequence;
+}
+
+Sequence open_pair_of(const InputOptions& options) {
+  if (options.side_by_side) {
+    throw std::invalid_argument(options.input + " is one picture: --side-by-side goes with a folder or a video");
+  }
+  if (options.fps) throw std::invalid_argument(options.input + " is one picture: --fps goes with a sequence");
+  if (options.right.empty() || options.calibration.empty()) {
+    throw std::invalid_argument(options.input + " is one picture: --right and --calib are needed with it");
+  }
+  return open_pair(options.input, options.right, options.calibration);
+}
+
+Sequence open_folder_of(const InputOptions& options) {
+  if (!options.right.empty() || !options.calibration.empty()) {
+    throw std::invalid_argument(fmt::format(
+        "{} is a folder, which holds its right pictures and its calibration itself: --right and --calib go with one picture, "
+        "--calib with --side-by-side too",
+        options.input));
+  }
+  return announced(open_sequence(options.input, options.fps));
+}
+
+/// FFmpeg shall drop a frame whose end is missing, instead of making up the rest, and leave the talking to us. It takes this
+/// from the environment only; what the user set there stays.
+void make_videos_strict() {
+  ::setenv("OPENCV_FFMPEG_CAPTURE_OPTIONS", "fflags;discardcorrupt", 0);
+  ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
 }
 
 bool is_terminal() { return ::isatty(STDERR_FILENO) != 0; }
@@ -64,30 +100,44 @@ DetectorParams make_params(const MethodOptions& options) {
 void add_input_options(CLI::App& command, InputOptions& options) {
   command
       .add_option("INPUT", options.input,
-                  "Folder of a sequence in the KITTI layout, or the left picture of one pair (PNG or JPEG, 8 bit, rectified)")
+                  "Folder of a sequence in the KITTI layout or of EuRoC/ASL, which is rectified on the fly; a video with both "
+                  "eyes side by side; or the left picture of one pair (PNG or JPEG, 8 bit, rectified)")
       ->required();
   command.add_option("--right", options.right, "Right picture of the pair")->type_name("FILE");
   command
       .add_option("--calib", options.calibration,
-                  "Calibration of the pair: KITTI calib.txt, or OpenCV YAML with P1 and P2, or Q")
+                  "Calibration of the pair, or of one half of side-by-side pictures: KITTI calib.txt, or OpenCV YAML with P1 "
+                  "and P2, or Q")
       ->type_name("FILE");
+  command.add_flag("--side-by-side", options.side_by_side,
+                   "INPUT is a folder of pictures named by number, each with both eyes side by side. A video needs no flag");
+  command
+      .add_option("--fps", options.fps,
+                  "Frames per second of a sequence without times.txt, or of a video instead of what its file tells. Without it "
+                  "a frame without a time has its number as time")
+      ->type_name("F");
 }
 
 Sequence open_input(const InputOptions& options) {
   std::error_code error;
-  if (std::filesystem::is_directory(options.input, error)) {
-    if (!options.right.empty() || !options.calibration.empty()) {
-      throw std::invalid_argument(fmt::format(
-          "{} is a folder, which holds its right pictures and calib.txt itself: --right and --calib go with one picture",
-          options.input));
-    }
-    return open_sequence(options.input);
+  const std::string& input = options.input;
+  if (!std::filesystem::exists(input, error)) throw std::runtime_error(input + ": no such file or folder");
+  const bool folder = std::filesystem::is_directory(input, error);
+  const bool picture = !folder && (is_picture_name(input) || !options.right.empty());
+  if (picture) return open_pair_of(options);
+  if (folder && !options.side_by_side) return open_folder_of(options);
+  if (!options.right.empty()) throw std::invalid_argument(input + " has both eyes side by side: --right goes with one picture");
+  if (options.calibration.empty()) {
+    throw std::invalid_argument(input + (folder ? " has both eyes side by side: --calib is needed with it"
+                                                : " is taken for a side-by-side video: --calib is needed with it"));
   }
-  if (!std::filesystem::exists(options.input, error)) throw std::runtime_error(options.input + ": no such file or folder");
-  if (options.right.empty() || options.calibration.empty()) {
-    throw std::invalid_argument(options.input + " is one picture: --right and --calib are needed with it");
-  }
-  return open_pair(options.input, options.right, options.calibration);
+  make_videos_strict();
+  return announced(open_side_by_side(input, options.calibration, options.fps));
+}
+
+void Faults::tell(const FrameReading& reading) {
+  if (reading.reason != last_ && !reading.reason.empty()) say(reading.reason);
+  last_ = reading.reason;
 }
 
 void add_threads_option(CLI::App& command, int& threads) {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,14 +37,17 @@ void add_method_options(CLI::App& command, MethodOptions& options);
 /// @throws std::invalid_argument or std::runtime_error (a parameter file) with the fault.
 DetectorParams make_params(const MethodOptions& options);
 
-/// The input of detect and bench: a sequence, or a pair with its calibration.
+/// The input of every command that looks at frames: a sequence, or a pair or side-by-side pictures with their calibration.
 struct InputOptions {
   std::string input;
   std::string right;
   std::string calibration;
+  bool side_by_side = false;
+  std::optional<double> fps;
 };
 void add_input_options(CLI::App& command, InputOptions& options);
-/// @throws std::invalid_argument when --right and --calib do not go with the input, std::runtime_error when it cannot be read.
+/// Says what the input was recognised as, and what is odd about it.
+/// @throws std::invalid_argument when the options do not go with the input, std::runtime_error when it cannot be read.
 Sequence open_input(const InputOptions& options);
 
 /// What happens with each frame, in order.
@@ -58,6 +62,15 @@ bool process_sequence(const Sequence& sequence, const DetectorParams& params, co
 bool is_interrupted();
 /// From here on Ctrl-C is noted instead of ending the process; a second one ends it.
 void catch_interruption();
+
+/// Says why frames cannot be read: a reason that holds for many frames in a row is said once.
+class Faults {
+ public:
+  void tell(const FrameReading& reading);
+
+ private:
+  std::string last_;
+};
 
 /// --threads; no limit when it is not given.
 void add_threads_option(CLI::App& command, int& threads);

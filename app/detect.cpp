@@ -89,9 +89,10 @@ int detect(const DetectOptions& options) {
   OutputFile out(options.out);
 
   Summary summary;
+  Faults faults;
   const auto on_frame = [&](const FrameReading& reading, const Detection& detection) {
     const bool readable = reading.status == FrameStatus::ok;
-    if (!readable) say(reading.reason);
+    faults.tell(reading);
     out.write(to_json_line(detection));
     if (readable && overlay) write_overlays(*overlay, reading.frame, detection, params.candidates);
     summary.add(detection);
@@ -152,6 +153,7 @@ Run add_detect(CLI::App& command) {
       "Examples:\n"
       "  brink detect walk/ --out walk.jsonl --overlay pictures/\n"
       "  brink detect left.png --right right.png --calib calib.txt\n"
+      "  brink detect side_by_side.mp4 --calib calib.txt --out walk.jsonl\n"
       "  brink detect potholes/ --stills --set candidates.min_depth_m=0.01\n"
       "Ctrl-C ends cleanly: what is done so far is written, and the exit code is 130.\n"
       "A frame that cannot be read is told on standard error and in the output, and the next one goes on. When no frame at all "

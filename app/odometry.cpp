@@ -16,7 +16,7 @@ namespace {
 enum class PoseFormat { kitti, tum };
 
 struct OdometryOptions {
-  std::string input;
+  InputOptions input;
   std::string out = "-";
   PoseFormat format = PoseFormat::kitti;
   MethodOptions method;
@@ -31,7 +31,7 @@ EgoMotionEstimate estimate(EgoMotionEstimator& estimator, const FrameReading& re
 
 int compute_path(const OdometryOptions& options) {
   const DetectorParams params = make_params(options.method);
-  const Sequence sequence = open_sequence(options.input);
+  const Sequence sequence = open_input(options.input);
   const auto threads = limit_threads(options.threads);
   OutputFile out(options.out);
   EgoMotionEstimator estimator(params.ego_motion);
@@ -72,7 +72,7 @@ int compute_path(const OdometryOptions& options) {
 Run add_odometry(CLI::App& command) {
   const auto options = std::make_shared<OdometryOptions>();
   const std::map<std::string, PoseFormat> formats = {{"kitti", PoseFormat::kitti}, {"tum", PoseFormat::tum}};
-  command.add_option("INPUT", options->input, "Folder of a sequence")->required();
+  add_input_options(command, options->input);
   command
       .add_option("--out", options->out,
                   "Write the poses of the left camera, one line a frame, to this file. Without it they go to standard output")

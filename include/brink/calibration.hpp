@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string>
 
+#include <opencv2/core.hpp>
+
 #include "brink/camera.hpp"
 
 namespace brink {
@@ -18,10 +20,12 @@ enum class CameraPair : std::uint8_t {
 struct StereoCalibration {
   StereoCamera camera;
   std::string source;  ///< "KITTI, P2 and P3", "OpenCV, P1 and P2" or "OpenCV, Q"
+  cv::Size size;       ///< of the pictures, px; empty when the file does not tell it
 };
 
-/// Reads the calibration of a rectified pair: KITTI calib.txt, or the YAML of OpenCV's stereoRectify (P1 and P2, or Q). The
-/// file is recognised by what it holds, not by its name. Lengths are metres.
+/// Reads the calibration of a rectified pair: KITTI calib.txt, or the YAML of OpenCV's stereoRectify (P1 and P2, or Q, and
+/// image_width and image_height if they are there). The file is recognised by what it holds, not by its name. Lengths are
+/// metres.
 /// @param pair for KITTI; an OpenCV file holds one pair only.
 /// @throws std::runtime_error "file: field = value, expected ..." when the file is missing, of an unknown kind, lacks a field
 /// or

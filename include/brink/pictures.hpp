@@ -7,6 +7,9 @@
 
 namespace brink {
 
+/// Whether the extension is that of a PNG or JPEG picture, in capital letters or not.
+bool is_picture_name(const std::string& path);
+
 /// Reads a PNG or JPEG picture: 8 bit, grey (1 channel) or colour (3 channels, BGR). The pixels are those of the file: an
 /// orientation noted in it is not applied, because calibrations know nothing of it.
 /// @throws std::runtime_error "path: what it is, expected ..." when it is missing, empty, something else, truncated, damaged,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,8 @@
 
 namespace brink {
 
+class PictureSource;
+
 /// A frame, or why there is none.
 struct FrameReading {
   FrameStatus status = FrameStatus::ok;
@@ -17,33 +20,53 @@ struct FrameReading {
   Frame frame;         ///< pictures are empty when status is not ok; index and time are always told
 };
 
+/// Number and time of a frame.
+struct FrameStamp {
+  int index = 0;      ///< number in its sequence: that in its files' names when they are named by number
+  double time = 0.0;  ///< s
+};
+
 /// Where the two pictures of a frame are looked for.
 struct FrameFiles {
-  int index = 0;      ///< number of the frame: that in its files' names
+  int index = 0;
   double time = 0.0;  ///< s
-  std::string left;
+  std::string left;   ///< path; "" = none is known
   std::string right;
 };
 
-/// Rectified stereo pairs on disk. Holds names only: pictures are read one frame at a time.
+/// Stereo pairs on disk, rectified when they are read. Holds names only: pictures are read one frame at a time.
 class Sequence {
  public:
+  /// Rectified pictures, each in a file of its own.
   /// @throws std::invalid_argument when the camera is not valid.
-  Sequence(const StereoCamera& camera, std::vector<FrameFiles> files, std::vector<ImuSample> imu = {});
+  Sequence(const StereoCamera& camera, const std::vector<FrameFiles>& files, std::vector<ImuSample> imu = {});
+  /// Pictures from any source, which is asked for the positions of the stamps.
+  Sequence(const StereoCamera& camera, std::vector<FrameStamp> stamps, std::unique_ptr<PictureSource> source,
+           std::vector<ImuSample> imu = {}, std::vector<std::string> remarks = {});
+  Sequence(Sequence&&) noexcept;
+  Sequence& operator=(Sequence&&) noexcept;
+  ~Sequence();
 
-  [[nodiscard]] int size() const { return static_cast<int>(files_.size()); }
+  [[nodiscard]] int size() const { return static_cast<int>(stamps_.size()); }
   [[nodiscard]] const StereoCamera& camera() const { return camera_; }
-  [[nodiscard]] const std::vector<FrameFiles>& files() const { return files_; }
+  [[nodiscard]] const std::vector<FrameStamp>& stamps() const { return stamps_; }
+  /// Ascending in time, in the left camera frame; empty without an IMU.
+  [[nodiscard]] const std::vector<ImuSample>& imu() const { return imu_; }
+  /// Lines for people: what the input was recognised as, unless it is the plain layout, and what is odd about it.
+  [[nodiscard]] const std::vector<std::string>& remarks() const { return remarks_; }
 
-  /// Reads one frame. A fault of its pictures is told in the result and leaves the other frames alone: no_picture when a file
-  /// is missing, bad_frame when it is there and cannot be used.
+  /// Reads one frame. A fault of its pictures is told in the result and leaves the other frames alone: no_picture when one
+  /// is missing, bad_frame when it is there and cannot be used. Any order gives the same frames; a video is quick in ascending
+  /// order only. One thread at a time.
   /// @param position 0 .. size() - 1. @throws std::out_of_range otherwise.
   [[nodiscard]] FrameReading read(int position) const;
 
  private:
   StereoCamera camera_;
-  std::vector<FrameFiles> files_;
+  std::vector<FrameStamp> stamps_;
+  std::unique_ptr<PictureSource> source_;
   std::vector<ImuSample> imu_;
+  std::vector<std::string> remarks_;
 };
 
 /// Reads imu.csv: t,gx,gy,gz,ax,ay,az a line, in the left camera frame; a first line that begins with t is a heading.
@@ -56,13 +79,28 @@ std::vector<ImuSample> read_imu(const std::string& path);
 /// m/s^2.
 std::optional<Eigen::Vector3d> estimate_gravity(const std::vector<ImuSample>& samples, double time);
 
-/// Opens a folder in the KITTI odometry layout (docs/formats.md): calib.txt, image_2 and image_3 or else image_0 and image_1
-/// with pictures named by number, times.txt, and imu.csv, which gives each frame its gravity. Frames run from the smallest
-/// number to the greatest, over both eyes; a number without a picture is a frame of its own with status no_picture. Without
-/// times.txt the time of a frame is its number.
-/// @throws std::runtime_error "file: ..." when there are no pictures, names are no numbers, or calib.txt, times.txt or
-/// imu.csv is at fault.
-Sequence open_sequence(const std::string& folder);
+/// Opens a folder in one of two layouts (docs/formats.md), told apart by what is in it.
+///
+/// KITTI odometry: calib.txt, image_2 and image_3 or else image_0 and image_1 with pictures named by number, times.txt, and
+/// imu.csv, which gives each frame its gravity. Frames run from the smallest number to the greatest, over both eyes; a number
+/// without a picture is a frame of its own with status no_picture. Without times.txt the time of a frame is its number, or its
+/// number / fps.
+///
+/// EuRoC/ASL: mav0/cam0 and mav0/cam1 with data.csv and sensor.yaml, and mav0/imu0 if there is one. Pictures are rectified as
+/// they are read. Times are counted from the first frame.
+/// @param fps frames per second, for a KITTI layout without times.txt.
+/// @throws std::runtime_error "file: ..." when there are no pictures, names are no numbers, or a file other than a picture is
+/// at fault; std::invalid_argument when fps is not positive, or given where the times are known.
+Sequence open_sequence(const std::string& folder, std::optional<double> fps = std::nullopt);
+
+/// Opens a video, or a folder of PNG or JPEG pictures named by number, in which both eyes' rectified pictures stand side by
+/// side: the left half is the left eye. Frames that a video announces and that cannot be decoded have the status no_picture.
+/// @param calibration file, for one half.
+/// @param fps frames per second. Without it a video has those of its file, a folder the times of its times.txt, and without
+/// that the time of a frame is its number.
+/// @throws std::runtime_error "file: ..." when a file is at fault; std::invalid_argument when fps is not positive, or given
+/// where times.txt tells the times.
+Sequence open_side_by_side(const std::string& input, const std::string& calibration, std::optional<double> fps = std::nullopt);
 
 /// One pair as a sequence of one frame; the pictures are not opened yet.
 /// @throws std::runtime_error "file: ..." when the calibration is at fault.

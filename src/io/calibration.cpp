@@ -11,10 +11,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include "brink/files.hpp"
 #include "io/text.hpp"
+#include "io/yaml_fields.hpp"
 
 namespace brink {
 namespace {
@@ -23,45 +23,35 @@ constexpr std::size_t kProjectionSize = 12;  // 3x4, row by row
 constexpr std::size_t kReprojectionSize = 16;
 using Numbers = std::vector<double>;
 
-[[noreturn]] void fail(const std::string& path, const std::string& fault) { throw std::runtime_error(path + ": " + fault); }
-
-double read_number(const std::string& path, const std::string& field, std::size_t position, const std::string& text) {
-  const std::optional<double> number = parse_number(text);
-  if (!number) fail(path, fmt::format("{}, number {} = {}, expected a finite number", field, position + 1, text));
-  return *number;
-}
-
-void check_count(const std::string& path, const std::string& field, std::size_t count, std::size_t expected) {
-  if (count != expected) fail(path, fmt::format("{} has {} numbers, expected {}", field, count, expected));
-}
-
 void check_same(const std::string& path, const std::string& what, double first, double second, double tolerance) {
   if (std::abs(first - second) > tolerance) {
-    fail(path, fmt::format("{} = {} and {}, expected equal values: rectified cameras with square pixels", what, first, second));
+    fail_file(path,
+              fmt::format("{} = {} and {}, expected equal values: rectified cameras with square pixels", what, first, second));
   }
 }
 
 // The last word on every calibration: turns the checks of StereoCamera into a fault of the file.
 StereoCalibration checked(const std::string& path, const StereoCamera& camera, const std::string& source) {
   if (camera.baseline <= 0.0) {
-    fail(path, fmt::format("{}: baseline = {} m, expected more than 0: are left and right swapped?", source, camera.baseline));
+    fail_file(path,
+              fmt::format("{}: baseline = {} m, expected more than 0: are left and right swapped?", source, camera.baseline));
   }
   try {
     camera.validate();
   } catch (const std::invalid_argument& error) {
     const char* hint = camera.baseline > 10.0 ? " (is it in millimetres?)" : "";
-    fail(path, fmt::format("{}: {}{}", source, error.what(), hint));
+    fail_file(path, fmt::format("{}: {}{}", source, error.what(), hint));
   }
-  return {camera, source};
+  return {camera, source, {}};
 }
 
 // Projection matrices: f 0 cx tx, 0 f cy ty, 0 0 1 tz, row by row.
 StereoCalibration from_projections(const std::string& path, const std::string& left_name, const Numbers& left,
                                    const std::string& right_name, const Numbers& right, const std::string& source) {
   for (const auto& [name, p] : {std::pair(left_name, left), std::pair(right_name, right)}) {
-    if (p[0] <= 0.0) fail(path, fmt::format("{} focal length = {}, expected more than 0 px", name, p[0]));
+    if (p[0] <= 0.0) fail_file(path, fmt::format("{} focal length = {}, expected more than 0 px", name, p[0]));
     if (p[1] != 0.0 || p[4] != 0.0 || p[8] != 0.0 || p[9] != 0.0 || p[10] != 1.0) {
-      fail(path, name + " is not the projection of a rectified camera, expected f 0 cx tx, 0 f cy ty, 0 0 1 tz");
+      fail_file(path, name + " is not the projection of a rectified camera, expected f 0 cx tx, 0 f cy ty, 0 0 1 tz");
     }
     check_same(path, name + " focal lengths along x and y", p[0], p[5], 1e-3 * p[0]);
   }
@@ -74,7 +64,7 @@ StereoCalibration from_projections(const std::string& path, const std::string& l
   const double baseline = (left[3] - right[3]) / focal;
   const double vertical = (left[7] - right[7]) / focal;
   if (std::abs(vertical) > 0.1 * std::abs(baseline)) {
-    fail(path, fmt::format("{}are {} m apart vertically, expected cameras side by side", both, vertical));
+    fail_file(path, fmt::format("{}are {} m apart vertically, expected cameras side by side", both, vertical));
   }
   return checked(path, {left[0], left[2], left[6], baseline}, source);
 }
@@ -103,7 +93,7 @@ StereoCalibration read_kitti(const std::string& path, const std::string& text, C
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto field = fields.find(names[i]);
     if (field == fields.end()) {
-      fail(path, fmt::format("{} is missing, expected {} and {} of 12 numbers each", names[i], names[0], names[1]));
+      fail_file(path, fmt::format("{} is missing, expected {} and {} of 12 numbers each", names[i], names[0], names[1]));
     }
     check_count(path, names[i], field->second.size(), kProjectionSize);
     for (std::size_t n = 0; n < kProjectionSize; ++n) {
@@ -114,53 +104,49 @@ StereoCalibration read_kitti(const std::string& path, const std::string& text, C
                           fmt::format("KITTI, {} and {}", names[0], names[1]));
 }
 
-// OpenCV's own YAML starts with "%YAML:1.0", which is not YAML.
-YAML::Node parse_opencv(const std::string& path, std::string text) {
-  if (text.starts_with('%')) text.erase(0, text.find('\n'));
-  try {
-    YAML::Node root = YAML::Load(text);
-    if (!root.IsMap()) fail(path, "holds no fields, expected P1 and P2, or Q");
-    return root;
-  } catch (const YAML::Exception& error) {
-    fail(path, fmt::format("is not YAML: line {}: {}", error.mark.line + 1, error.msg));
-  }
-}
-
-Numbers read_matrix(const std::string& path, const std::string& field, const YAML::Node& matrix, std::size_t expected) {
-  const YAML::Node data = matrix.IsMap() ? matrix["data"] : matrix;
-  if (!data || !data.IsSequence()) fail(path, fmt::format("{} has no data, expected {} numbers", field, expected));
-  check_count(path, field, data.size(), expected);
-  Numbers numbers;
-  for (std::size_t n = 0; n < expected; ++n) {
-    numbers.push_back(read_number(path, field, n, data[n].IsScalar() ? data[n].Scalar() : "a list"));
-  }
-  return numbers;
-}
-
 // Q: 1 0 0 -cx, 0 1 0 -cy, 0 0 0 f, 0 0 1/baseline (cx - cx_right)/baseline.
 StereoCalibration from_reprojection(const std::string& path, const Numbers& q) {
   const double focal = q[11];
-  if (focal <= 0.0) fail(path, fmt::format("Q focal length = {}, expected more than 0 px", focal));
-  if (q[14] == 0.0) fail(path, "Q row 4, column 3 = 0, expected 1 / baseline");
+  if (focal <= 0.0) fail_file(path, fmt::format("Q focal length = {}, expected more than 0 px", focal));
+  if (q[14] == 0.0) fail_file(path, "Q row 4, column 3 = 0, expected 1 / baseline");
   const double baseline = 1.0 / q[14];
   check_same(path, "Q principal columns", -q[3], -q[3] - q[15] * baseline, 0.01);
   return checked(path, {focal, -q[3], -q[7], baseline}, "OpenCV, Q");
 }
 
-StereoCalibration read_opencv(const std::string& path, const std::string& text) {
-  const YAML::Node root = parse_opencv(path, text);
+cv::Size read_size(const std::string& path, const YAML::Node& root) {
+  if (!root["image_width"] || !root["image_height"]) return {};
+  cv::Size size;
+  for (const auto& [field, side] : {std::pair("image_width", &size.width), std::pair("image_height", &size.height)}) {
+    const std::string text = root[field].IsScalar() ? root[field].Scalar() : "a list";
+    const std::optional<int> number = parse_number<int>(text);
+    if (!number || *number < 1) fail_file(path, fmt::format("{} = {}, expected a whole number of pixels", field, text));
+    *side = *number;
+  }
+  return size;
+}
+
+StereoCalibration read_rectified_opencv(const std::string& path, const YAML::Node& root) {
   if (root["P1"] && root["P2"]) {
-    return from_projections(path, "P1", read_matrix(path, "P1", root["P1"], kProjectionSize), "P2",
-                            read_matrix(path, "P2", root["P2"], kProjectionSize), "OpenCV, P1 and P2");
+    return from_projections(path, "P1", read_numbers(path, "P1", root["P1"], kProjectionSize), "P2",
+                            read_numbers(path, "P2", root["P2"], kProjectionSize), "OpenCV, P1 and P2");
   }
-  if (root["Q"]) return from_reprojection(path, read_matrix(path, "Q", root["Q"], kReprojectionSize));
+  if (root["Q"]) return from_reprojection(path, read_numbers(path, "Q", root["Q"], kReprojectionSize));
   if (root["M1"] || root["D1"]) {
-    fail(path,
-         "holds M1, D1, ... of pictures that are not rectified, expected P1 and P2, or Q: rectify the pictures first, this "
-         "version "
-         "does not");
+    fail_file(
+        path,
+        "holds M1, D1, ... of pictures that are not rectified, expected P1 and P2, or Q: rectify the pictures first, this "
+        "version "
+        "does not");
   }
-  fail(path, fmt::format("{} is missing, expected P1 and P2, or Q", root["P1"] ? "P2" : "P1"));
+  fail_file(path, fmt::format("{} is missing, expected P1 and P2, or Q", root["P1"] ? "P2" : "P1"));
+}
+
+StereoCalibration read_opencv(const std::string& path, const std::string& text) {
+  const YAML::Node root = parse_opencv_yaml(path, text, "P1 and P2, or Q");
+  StereoCalibration calibration = read_rectified_opencv(path, root);
+  calibration.size = read_size(path, root);
+  return calibration;
 }
 
 bool looks_like_kitti(const std::string& text) {
@@ -176,7 +162,8 @@ StereoCalibration read_calibration(const std::string& path, CameraPair pair) {
   const std::string text = read_file(path);
   if (text.starts_with("%YAML") || text.find("opencv-matrix") != std::string::npos) return read_opencv(path, text);
   if (looks_like_kitti(text)) return read_kitti(path, text, pair);
-  fail(path, "is not a calibration that this version knows, expected KITTI calib.txt (P0: ... P3: ...) or OpenCV stereo YAML");
+  fail_file(path,
+            "is not a calibration that this version knows, expected KITTI calib.txt (P0: ... P3: ...) or OpenCV stereo YAML");
 }
 
 }  // namespace brink

@@ -21,6 +21,13 @@
 namespace brink {
 namespace {
 
+std::string lower_case_extension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return extension;
+}
+
 void check_size(const PictureHeader& header) {
   if (header.width < 1 || header.height < 1) {
     throw std::runtime_error(fmt::format("is damaged: {}x{} px", header.width, header.height));
@@ -111,6 +118,11 @@ std::string encode_pfm(const cv::Mat1f& disparity) {
 
 }  // namespace
 
+bool is_picture_name(const std::string& path) {
+  const std::string extension = lower_case_extension(path);
+  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+}
+
 cv::Mat read_picture(const std::string& path) {
   const std::string bytes = read_file(path);
   try {
@@ -133,9 +145,7 @@ std::string encode_png(const cv::Mat& picture) {
 }
 
 DisparityFormat disparity_format(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  const std::string extension = lower_case_extension(path);
   if (extension == ".png") return DisparityFormat::png;
   if (extension == ".pfm") return DisparityFormat::pfm;
   throw std::invalid_argument(fmt::format("{}: extension \"{}\", expected .png or .pfm", path, extension));

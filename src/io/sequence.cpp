@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -9,94 +10,111 @@
 #include <fmt/format.h>
 
 #include "brink/calibration.hpp"
-#include "brink/pictures.hpp"
+#include "io/euroc.hpp"
+#include "io/picture_source.hpp"
 #include "io/sequence_files.hpp"
 
 namespace brink {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kMaxGap = 1000;  // more missing numbers in a row are no gap but another numbering
-
-void check_gaps(const fs::path& folder, const std::vector<int>& numbers) {
-  for (std::size_t i = 1; i < numbers.size(); ++i) {
-    if (numbers[i] - numbers[i - 1] > kMaxGap) {
-      throw std::runtime_error(fmt::format("{}: frame numbers jump from {} to {}, expected consecutive ones", folder.string(),
-                                           numbers[i - 1], numbers[i]));
-    }
-  }
-}
-
-// Numbers of both eyes, ascending, each once.
-std::vector<int> numbers_of(const NumberedFiles& left, const NumberedFiles& right) {
+std::vector<int> numbers_of(const NumberedFiles& pictures) {
   std::vector<int> numbers;
-  numbers.reserve(left.size() + right.size());
-  for (const auto& picture : left) numbers.push_back(picture.first);
-  for (const auto& picture : right) numbers.push_back(picture.first);
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  numbers.reserve(pictures.size());
+  for (const auto& picture : pictures) numbers.push_back(picture.first);
   return numbers;
 }
 
-// A missing picture gets the name that it would have.
-std::string picture_or_expected(const NumberedFiles& pictures, const fs::path& folder, int number) {
-  const auto found = pictures.find(number);
-  return found != pictures.end() ? found->second : (folder / fmt::format("{:06}.png", number)).string();
+std::vector<FrameStamp> stamps_of(const std::vector<FrameFiles>& files) {
+  std::vector<FrameStamp> stamps;
+  stamps.reserve(files.size());
+  for (const FrameFiles& frame : files) stamps.push_back({frame.index, frame.time});
+  return stamps;
+}
+
+Sequence open_kitti(const fs::path& folder, std::optional<double> fps) {
+  const std::optional<Eyes> eyes = find_eyes(folder);
+  if (!eyes) {
+    throw std::runtime_error(folder.string() +
+                             ": no pictures, expected folders image_2 and image_3 (colour), image_0 and image_1 (grey), or "
+                             "mav0 (EuRoC/ASL)");
+  }
+  const StereoCalibration calibration = read_calibration((folder / "calib.txt").string(), eyes->cameras);
+  const NumberedFiles left = list_pictures(eyes->left);
+  const NumberedFiles right = list_pictures(eyes->right);
+  const std::vector<int> left_numbers = numbers_of(left);
+  const std::vector<int> right_numbers = numbers_of(right);
+  std::vector<int> numbers;
+  std::set_union(left_numbers.begin(), left_numbers.end(), right_numbers.begin(), right_numbers.end(),
+                 std::back_inserter(numbers));
+  if (numbers.empty()) throw std::runtime_error(eyes->left.string() + ": holds no PNG or JPEG pictures");
+  check_gaps(eyes->left, numbers);
+  const FrameClock clock(folder, numbers.back(), fps);
+  std::vector<FrameFiles> files;
+  for (int number = numbers.front(); number <= numbers.back(); ++number) {
+    files.push_back({number, clock.at(number), picture_or_expected(left, eyes->left, number),
+                     picture_or_expected(right, eyes->right, number)});
+  }
+  std::vector<std::string> remarks;
+  if (const auto remark = unequal_counts(folder.string(), left_numbers, right_numbers)) remarks.push_back(*remark);
+  std::error_code error;
+  const fs::path imu = folder / "imu.csv";
+  std::vector<ImuSample> samples;
+  if (fs::exists(imu, error)) samples = read_imu(imu.string());
+  return {calibration.camera, stamps_of(files), std::make_unique<PictureFiles>(files), std::move(samples), std::move(remarks)};
 }
 
 }  // namespace
 
-Sequence::Sequence(const StereoCamera& camera, std::vector<FrameFiles> files, std::vector<ImuSample> imu)
-    : camera_(camera), files_(std::move(files)), imu_(std::move(imu)) {
+Sequence::Sequence(const StereoCamera& camera, const std::vector<FrameFiles>& files, std::vector<ImuSample> imu)
+    : Sequence(camera, stamps_of(files), std::make_unique<PictureFiles>(files), std::move(imu)) {}
+
+Sequence::Sequence(const StereoCamera& camera, std::vector<FrameStamp> stamps, std::unique_ptr<PictureSource> source,
+                   std::vector<ImuSample> imu, std::vector<std::string> remarks)
+    : camera_(camera),
+      stamps_(std::move(stamps)),
+      source_(std::move(source)),
+      imu_(std::move(imu)),
+      remarks_(std::move(remarks)) {
   camera_.validate();
 }
 
+Sequence::Sequence(Sequence&&) noexcept = default;
+Sequence& Sequence::operator=(Sequence&&) noexcept = default;
+Sequence::~Sequence() = default;
+
 FrameReading Sequence::read(int position) const {
-  const FrameFiles& files = files_.at(static_cast<std::size_t>(position));
+  const FrameStamp& stamp = stamps_.at(static_cast<std::size_t>(position));
   FrameReading reading;
-  reading.frame.index = files.index;
-  reading.frame.time = files.time;
+  reading.frame.index = stamp.index;
+  reading.frame.time = stamp.time;
+  std::string name;
   try {
-    const cv::Mat left = read_picture(files.left);
-    const cv::Mat right = read_picture(files.right);
-    reading.frame = make_frame(left, right, camera_, files.index, files.time);
-    reading.frame.gravity = estimate_gravity(imu_, files.time);
+    const PicturePair pair = source_->read(position);
+    name = pair.name;
+    reading.frame = make_frame(pair.left, pair.right, camera_, stamp.index, stamp.time);
+    reading.frame.gravity = estimate_gravity(imu_, stamp.time);
+  } catch (const NoPicture& error) {
+    reading.status = FrameStatus::no_picture;
+    reading.reason = error.what();
   } catch (const std::invalid_argument& error) {
     reading.status = FrameStatus::bad_frame;
-    reading.reason = fmt::format("{} and {}: {}", files.left, files.right, error.what());
+    reading.reason = fmt::format("{}: {}", name, error.what());
   } catch (const std::runtime_error& error) {
-    std::error_code ignored;
-    const bool there = fs::exists(files.left, ignored) && fs::exists(files.right, ignored);
-    reading.status = there ? FrameStatus::bad_frame : FrameStatus::no_picture;
+    reading.status = FrameStatus::bad_frame;
     reading.reason = error.what();
   }
   return reading;
 }
 
-Sequence open_sequence(const std::string& folder) {
+Sequence open_sequence(const std::string& folder, std::optional<double> fps) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) throw std::runtime_error(folder + ": no such folder");
-  const std::optional<Eyes> found = find_eyes(folder);
-  if (!found) {
-    throw std::runtime_error(folder +
-                             ": no pictures, expected folders image_2 and image_3 (colour) or image_0 and image_1 (grey)");
+  if (is_euroc(folder)) {
+    if (fps) throw std::invalid_argument(fmt::format("fps = {}, must not be given: {} tells the times", *fps, folder));
+    return open_euroc(folder);
   }
-  const Eyes& eyes = *found;
-  const StereoCalibration calibration = read_calibration((fs::path(folder) / "calib.txt").string(), eyes.cameras);
-  const NumberedFiles left = list_pictures(eyes.left);
-  const NumberedFiles right = list_pictures(eyes.right);
-  const std::vector<int> numbers = numbers_of(left, right);
-  if (numbers.empty()) throw std::runtime_error(eyes.left.string() + ": holds no PNG or JPEG pictures");
-  check_gaps(eyes.left, numbers);
-  const std::vector<double> times = read_times(fs::path(folder) / "times.txt", numbers.back());
-  std::vector<FrameFiles> files;
-  for (int number = numbers.front(); number <= numbers.back(); ++number) {
-    const double time = times.empty() ? number : times[static_cast<std::size_t>(number)];
-    files.push_back(
-        {number, time, picture_or_expected(left, eyes.left, number), picture_or_expected(right, eyes.right, number)});
-  }
-  const fs::path imu = fs::path(folder) / "imu.csv";
-  return {calibration.camera, std::move(files), fs::exists(imu, error) ? read_imu(imu.string()) : std::vector<ImuSample>{}};
+  return open_kitti(folder, fps);
 }
 
 Sequence open_pair(const std::string& left, const std::string& right, const std::string& calibration) {

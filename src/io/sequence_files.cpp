@@ -1,7 +1,7 @@
 #include "io/sequence_files.hpp"
 
 #include <algorithm>
-#include <cctype>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
@@ -9,28 +9,19 @@
 #include <fmt/format.h>
 
 #include "brink/files.hpp"
+#include "brink/pictures.hpp"
 #include "io/text.hpp"
 
 namespace brink {
 namespace fs = std::filesystem;
-namespace {
-
-bool is_picture_name(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  const bool hidden = path.filename().string().starts_with('.');
-  return !hidden && (extension == ".png" || extension == ".jpg" || extension == ".jpeg");
-}
-
-}  // namespace
 
 NumberedFiles list_pictures(const fs::path& folder) {
   NumberedFiles pictures;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const fs::path& path = entry.path();
-    if (!is_picture_name(path)) continue;
+    const bool hidden = path.filename().string().starts_with('.');
+    if (hidden || !is_picture_name(path.string())) continue;
     const std::optional<int> number = parse_number<int>(path.stem().string());
     if (!number || *number < 0) {
       throw std::runtime_error(fmt::format("{}: name is not a frame number, expected one like 000012.png", path.string()));
@@ -53,11 +44,12 @@ std::vector<double> read_times(const fs::path& path, int last_number) {
     if (trimmed(line).empty()) continue;
     const std::optional<double> time = parse_number(trimmed(line));
     const std::size_t number = times.size() + 1;
-    if (!time)
+    if (!time) {
       throw std::runtime_error(fmt::format("{}: time {} = {}, expected seconds", path.string(), number, trimmed(line)));
-    if (!times.empty() && *time < times.back()) {
+    }
+    if (!times.empty() && *time <= times.back()) {
       throw std::runtime_error(
-          fmt::format("{}: time {} = {}, expected at least the one before, {}", path.string(), number, *time, times.back()));
+          fmt::format("{}: time {} = {}, expected more than the one before, {}", path.string(), number, *time, times.back()));
     }
     times.push_back(*time);
   }
@@ -66,6 +58,54 @@ std::vector<double> read_times(const fs::path& path, int last_number) {
         fmt::format("{}: has {} times, expected one for each frame from 0 to {}", path.string(), times.size(), last_number));
   }
   return times;
+}
+
+std::string picture_or_expected(const NumberedFiles& pictures, const fs::path& folder, int number) {
+  const auto found = pictures.find(number);
+  return found != pictures.end() ? found->second : (folder / fmt::format("{:06}.png", number)).string();
+}
+
+void check_gaps(const fs::path& folder, const std::vector<int>& numbers) {
+  constexpr int kMaxGap = 1000;
+  for (std::size_t i = 1; i < numbers.size(); ++i) {
+    if (numbers[i] - numbers[i - 1] > kMaxGap) {
+      throw std::runtime_error(fmt::format("{}: frame numbers jump from {} to {}, expected consecutive ones", folder.string(),
+                                           numbers[i - 1], numbers[i]));
+    }
+  }
+}
+
+void check_fps(double fps) {
+  constexpr double kMost = 1e5;
+  if (!(fps > 0.0) || fps > kMost) {
+    throw std::invalid_argument(fmt::format("fps = {}, must be more than 0 and at most {}", fps, kMost));
+  }
+}
+
+FrameClock::FrameClock(const fs::path& folder, int last_number, std::optional<double> fps)
+    : times_(read_times(folder / "times.txt", last_number)), fps_(fps.value_or(1.0)) {
+  check_fps(fps_);
+  if (fps && !times_.empty()) {
+    throw std::invalid_argument(
+        fmt::format("fps = {}, must not be given: {} tells the times", *fps, (folder / "times.txt").string()));
+  }
+}
+
+double FrameClock::at(int number) const { return times_.empty() ? number / fps_ : times_[static_cast<std::size_t>(number)]; }
+
+std::optional<std::string> unequal_counts(const std::string& folder, const std::vector<int>& left,
+                                          const std::vector<int>& right) {
+  if (left.size() == right.size()) return std::nullopt;
+  std::vector<int> alone;
+  std::set_symmetric_difference(left.begin(), left.end(), right.begin(), right.end(), std::back_inserter(alone));
+  const bool left_is_longer = left.size() > right.size();
+  const std::vector<int>& shorter = left_is_longer ? right : left;
+  const std::string counts = fmt::format("{}: {} left and {} right pictures", folder, left.size(), right.size());
+  if (shorter.empty() || shorter.back() < alone.front()) {
+    return fmt::format("{}: from frame {} on the {} ones are missing", counts, alone.front(),
+                       left_is_longer ? "right" : "left");
+  }
+  return fmt::format("{}: frames without a partner: {}, the first is frame {}", counts, alone.size(), alone.front());
 }
 
 std::optional<Eyes> find_eyes(const fs::path& folder) {

@@ -17,9 +17,37 @@ using NumberedFiles = std::map<int, std::string>;
 /// @throws std::runtime_error "path: ..." when a picture's name is no number, two have the same, or the folder cannot be read.
 NumberedFiles list_pictures(const std::filesystem::path& folder);
 
+/// The path of a frame's picture; a missing one has the name that it would have.
+std::string picture_or_expected(const NumberedFiles& pictures, const std::filesystem::path& folder, int number);
+
+/// Refuses a jump: more than 1000 missing numbers in a row are no gap but another numbering.
+/// @param numbers ascending. @throws std::runtime_error "folder: ..."
+void check_gaps(const std::filesystem::path& folder, const std::vector<int>& numbers);
+
 /// times.txt: seconds, one line per frame number from 0. @return empty when there is no such file.
-/// @throws std::runtime_error "path: ..." when a line is no number, times decrease, or there is none for last_number.
+/// @throws std::runtime_error "path: ..." when a line is no number, times do not increase, or there is none for last_number.
 std::vector<double> read_times(const std::filesystem::path& path, int last_number);
+
+/// @throws std::invalid_argument unless the frame rate is more than 0 and at most 100,000 a second.
+void check_fps(double fps);
+
+/// When the frames of a folder were taken: times.txt, else number / fps, else the number itself.
+class FrameClock {
+ public:
+  /// @throws as read_times and check_fps do, and std::invalid_argument when there is times.txt and fps as well.
+  FrameClock(const std::filesystem::path& folder, int last_number, std::optional<double> fps);
+  /// s. @param number 0 .. last_number.
+  [[nodiscard]] double at(int number) const;
+
+ private:
+  std::vector<double> times_;
+  double fps_;
+};
+
+/// A line for people when one eye has more pictures than the other: how many each has and where partners are missing.
+/// @param left, right ascending numbers of the frames for which that eye has a picture. @return empty for equal counts.
+std::optional<std::string> unequal_counts(const std::string& folder, const std::vector<int>& left,
+                                          const std::vector<int>& right);
 
 /// The folders of both eyes' pictures, with the cameras of calib.txt that took them.
 struct Eyes {

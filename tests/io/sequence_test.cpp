@@ -1,5 +1,6 @@
 #include "brink/sequence.hpp"
 
+#include <cmath>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -73,6 +74,48 @@ TEST(OpenSequence, TakesTheNumberAsTimeWithoutTimes) {
   EXPECT_EQ(open_sequence(folder / "").read(2).frame.time, 2.0);
 }
 
+TEST(OpenSequence, TakesTheTimeFromTheFrameRateThatIsGiven) {
+  const test::TemporaryFolder folder;
+  fill(folder);
+  EXPECT_EQ(open_sequence(folder / "", 8.0).read(2).frame.time, 0.25);
+  const auto refusal = [&](double fps) {
+    return test::error_of<std::invalid_argument>([&] { open_sequence(folder / "", fps); });
+  };
+  test::expect_line_with(refusal(0.0), "fps = 0, must be more than 0");
+  test::expect_line_with(refusal(std::nan("")), "fps = nan, must be more than 0");
+  (void)folder.add("times.txt", "0\n0.1\n0.2\n");
+  test::expect_line_with(refusal(8.0), "times.txt tells the times");
+}
+
+TEST(OpenSequence, SortsNamesByNumber) {
+  const test::TemporaryFolder folder;
+  (void)folder.add("calib.txt", kCalibration);
+  for (const int number : {10, 9, 11}) {  // as text, 9 comes last
+    (void)folder.add(fmt::format("image_0/{}.png", number), picture(number));
+    (void)folder.add(fmt::format("image_1/{}.png", number), picture(number));
+  }
+  const Sequence sequence = open_sequence(folder / "");
+  ASSERT_EQ(sequence.size(), 3);
+  for (const int position : {0, 1, 2}) EXPECT_EQ(sequence.read(position).frame.left(0, 0), 9 + position);
+}
+
+TEST(OpenSequence, TellsUnequalCounts) {
+  const test::TemporaryFolder folder;
+  fill(folder);
+  EXPECT_TRUE(open_sequence(folder / "").remarks().empty());
+  (void)folder.add("image_0/000003.png", picture(10));
+  (void)folder.add("image_0/000004.png", picture(10));
+  const Sequence tail = open_sequence(folder / "");
+  ASSERT_EQ(tail.remarks().size(), 1U);
+  test::expect_line_with(tail.remarks()[0], ": 5 left and 3 right pictures: from frame 3 on the right ones are missing");
+  EXPECT_EQ(tail.read(2).status, FrameStatus::ok);
+  EXPECT_EQ(tail.read(3).status, FrameStatus::no_picture);
+  EXPECT_EQ(tail.read(4).status, FrameStatus::no_picture);
+  std::filesystem::remove(folder / "image_0/000001.png");
+  test::expect_line_with(open_sequence(folder / "").remarks().at(0),
+                         ": 4 left and 3 right pictures: frames without a partner: 3, the first is frame 1");
+}
+
 TEST(OpenSequence, KeepsAFrameForEveryMissingPicture) {
   const test::TemporaryFolder folder;
   fill(folder);
@@ -125,8 +168,9 @@ TEST(OpenSequence, IgnoresOtherFiles) {
 TEST(OpenSequence, RefusesAFolderThatIsNoSequence) {
   test::expect_line_with(test::error_of<std::runtime_error>([] { open_sequence("/nowhere"); }), "/nowhere: no such folder");
   const test::TemporaryFolder folder;
-  test::expect_line_with(fault(folder),
-                         "no pictures, expected folders image_2 and image_3 (colour) or image_0 and image_1 (grey)");
+  test::expect_line_with(
+      fault(folder),
+      "no pictures, expected folders image_2 and image_3 (colour), image_0 and image_1 (grey), or mav0 (EuRoC/ASL)");
   std::filesystem::create_directories(folder / "image_0");
   std::filesystem::create_directories(folder / "image_1");
   test::expect_line_with(fault(folder), "calib.txt: no such file");
@@ -166,8 +210,10 @@ TEST(OpenSequence, RefusesWrongTimes) {
   test::expect_line_with(fault(folder), "times.txt: time 2 = soon, expected seconds");
   (void)folder.add("times.txt", "0\nnan\n2\n");
   test::expect_line_with(fault(folder), "times.txt: time 2 = nan, expected seconds");
+  (void)folder.add("times.txt", "0\n2\n2\n");
+  test::expect_line_with(fault(folder), "times.txt: time 3 = 2, expected more than the one before, 2");
   (void)folder.add("times.txt", "0\n2\n1\n");
-  test::expect_line_with(fault(folder), "times.txt: time 3 = 1, expected at least the one before, 2");
+  test::expect_line_with(fault(folder), "times.txt: time 3 = 1, expected more than the one before, 2");
 }
 
 TEST(OpenPair, IsASequenceOfOneFrame) {

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "brink/sequence.hpp"
+#include "io/rectification.hpp"
+
+namespace brink {
+
+/// Both eyes' pictures of one frame, 8 bit, grey or BGR.
+struct PicturePair {
+  cv::Mat left;
+  cv::Mat right;
+  std::string name;  ///< where they come from, for messages
+};
+
+/// A picture is not there. Faults of one that is there are other std::runtime_error.
+class NoPicture : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Where the pictures of a sequence come from.
+class PictureSource {
+ public:
+  PictureSource() = default;
+  PictureSource(const PictureSource&) = delete;
+  PictureSource& operator=(const PictureSource&) = delete;
+  virtual ~PictureSource() = default;
+
+  /// @param position of the frame in its sequence, from 0; any order.
+  /// @throws NoPicture, or std::runtime_error, "file: ...".
+  virtual PicturePair read(int position) = 0;
+};
+
+/// A file for each eye.
+class PictureFiles : public PictureSource {
+ public:
+  explicit PictureFiles(std::vector<FrameFiles> files);
+  PicturePair read(int position) override;
+
+ private:
+  std::vector<FrameFiles> files_;
+};
+
+/// Rectifies what another source reads.
+class RectifiedSource : public PictureSource {
+ public:
+  RectifiedSource(std::unique_ptr<PictureSource> source, Rectification rectification);
+  PicturePair read(int position) override;
+
+ private:
+  std::unique_ptr<PictureSource> source_;
+  Rectification rectification_;
+};
+
+}  // namespace brink
