@@ -44,6 +44,11 @@ void add_input_options(CLI::App& command, InputOptions& options);
 /// @throws std::invalid_argument when --right and --calib do not go with the input, std::runtime_error when it cannot be read.
 Sequence open_input(const InputOptions& options);
 
+/// What happens with each frame, in order.
+using ProcessedFrame = std::function<void(const FrameReading&, const Detection&)>;
+/// The detector over a whole sequence; a frame that cannot be read is told as such and the next one goes on.
+void process_sequence(const Sequence& sequence, const DetectorParams& params, const ProcessedFrame& on_frame);
+
 /// --threads; no limit when it is not given.
 void add_threads_option(CLI::App& command, int& threads);
 /// The limit holds as long as the result lives. @param threads 0 = the option was not given.
@@ -77,5 +82,7 @@ Run add_disparity(CLI::App& command);
 Run add_params(CLI::App& command);
 Run add_bench(CLI::App& command);
 Run add_simulate(CLI::App& command);
+Run add_evaluate(CLI::App& command);
+Run add_compare(CLI::App& command);
 
 }  // namespace brink::app

@@ -8,6 +8,7 @@
 #include "brink/files.hpp"
 #include "brink/overlay.hpp"
 #include "brink/pictures.hpp"
+#include "brink/video.hpp"
 #include "common.hpp"
 
 namespace brink::app {
@@ -53,15 +54,42 @@ struct Summary {
   }
 };
 
-void write_overlays(const OutputFolder& folder, const Frame& frame, const Detection& detection, const CandidateParams& params) {
-  const auto write = [&](const char* name, const cv::Mat3b& picture) {
-    write_file(folder.file(fmt::format("{:06}_{}.png", frame.index, name)), encode_png(picture));
-  };
-  write("ground", draw_ground(frame, detection, params));
-  write("disparity", draw_disparity(detection.disparity));
-  write("candidates", draw_candidates(frame, detection));
-  write("drops", draw_obstacles(frame, detection));
-}
+/// Where --overlay goes: a video of all frames, or a folder of pictures of those that are ok.
+class Overlay {
+ public:
+  Overlay(const std::string& path, const Sequence& sequence) {
+    if (path.empty()) return;
+    if (!is_video_name(path)) {
+      folder_.emplace(path);
+      return;
+    }
+    std::vector<double> times;
+    for (const FrameFiles& files : sequence.files()) times.push_back(files.time);
+    video_.emplace(path, cv::Size(kVideoWidth, kVideoHeight), compute_video_fps(times));
+  }
+
+  void add(const Frame& frame, const Detection& detection, const CandidateParams& params) {
+    if (video_) video_->write(draw_video_frame(frame, detection, {}, "no ego-motion", params));
+    if (folder_ && detection.status == FrameStatus::ok) write_pictures(frame, detection, params);
+  }
+  void commit() {
+    if (video_) video_->commit();
+  }
+
+ private:
+  void write_pictures(const Frame& frame, const Detection& detection, const CandidateParams& params) const {
+    const auto write = [&](const char* name, const cv::Mat3b& picture) {
+      write_file(folder_->file(fmt::format("{:06}_{}.png", frame.index, name)), encode_png(picture));
+    };
+    write("ground", draw_ground(frame, detection, params));
+    write("disparity", draw_disparity(detection.disparity));
+    write("candidates", draw_candidates(frame, detection));
+    write("drops", draw_obstacles(frame, detection));
+  }
+
+  std::optional<OutputFolder> folder_;
+  std::optional<VideoWriter> video_;
+};
 
 void say_what_is_validated(bool pair, bool stills) {
   if (pair) {
@@ -78,29 +106,21 @@ int detect(const DetectOptions& options) {
   const bool pair = !options.input.right.empty();
   params.stills = params.stills || options.stills || pair;
   const auto threads = limit_threads(options.threads);
-  std::optional<OutputFolder> overlay;
-  if (!options.overlay.empty()) overlay.emplace(options.overlay);
+  Overlay overlay(options.overlay, sequence);
   OutputFile out(options.out);
 
-  Detector detector(params);
   Summary summary;
-  Progress progress(sequence.size());
-  for (int position = 0; position < sequence.size(); ++position) {
-    const FrameReading reading = sequence.read(position);
-    const bool readable = reading.status == FrameStatus::ok;
-    if (!readable) say(reading.reason);
-    const Detection detection =
-        readable ? detector.process(reading.frame)
-                 : make_failed_detection(reading.frame.index, reading.frame.time, reading.status, reading.reason);
+  process_sequence(sequence, params, [&](const FrameReading& reading, const Detection& detection) {
+    if (reading.status != FrameStatus::ok) say(reading.reason);
     out.write(to_json_line(detection));
-    if (readable && overlay) write_overlays(*overlay, reading.frame, detection, params.candidates);
+    overlay.add(reading.frame, detection, params.candidates);
     summary.add(detection);
-    progress.tell(position + 1);
-  }
+  });
   if (summary.ok == 0) {
     if (!pair) say(fmt::format("none of {} frames can be used", summary.frames));
     return kExitData;
   }
+  overlay.commit();
   out.commit();
   say_what_is_validated(pair, params.stills);
   say(summary.text());
@@ -108,6 +128,19 @@ int detect(const DetectOptions& options) {
 }
 
 }  // namespace
+
+void process_sequence(const Sequence& sequence, const DetectorParams& params, const ProcessedFrame& on_frame) {
+  Detector detector(params);
+  Progress progress(sequence.size());
+  for (int position = 0; position < sequence.size(); ++position) {
+    const FrameReading reading = sequence.read(position);
+    const bool readable = reading.status == FrameStatus::ok;
+    on_frame(reading, readable
+                          ? detector.process(reading.frame)
+                          : make_failed_detection(reading.frame.index, reading.frame.time, reading.status, reading.reason));
+    progress.tell(position + 1);
+  }
+}
 
 Run add_detect(CLI::App& command) {
   const auto options = std::make_shared<DetectOptions>();
@@ -117,9 +150,11 @@ Run add_detect(CLI::App& command) {
                   "Write the detections, JSON Lines, to this file. Without it they go to standard output")
       ->type_name("FILE");
   command
-      .add_option("--overlay", options->overlay,
-                  "Write four pictures of each frame into this folder: ground, disparity, candidates, drops")
-      ->type_name("FOLDER");
+      .add_option(
+          "--overlay", options->overlay,
+          "Named .mp4, .avi or .mkv: write an annotated video of all frames. Any other name: write four pictures of each "
+          "frame into this folder: ground, disparity, candidates, drops")
+      ->type_name("FILE|FOLDER");
   command.add_flag("--stills", options->stills,
                    "The pictures are unrelated: report every candidate at once instead of following it over frames");
   add_method_options(command, options->method);
@@ -127,6 +162,7 @@ Run add_detect(CLI::App& command) {
   command.footer(
       "Examples:\n"
       "  brink detect walk/ --stills --out walk.jsonl --overlay pictures/\n"
+      "  brink detect walk/ --stills --out walk.jsonl --overlay walk.mp4\n"
       "  brink detect left.png --right right.png --calib calib.txt\n"
       "  brink detect potholes/ --stills --set candidates.min_depth_m=0.01\n"
       "A frame that cannot be read is told on standard error and in the output, and the next one goes on. When no frame at all "

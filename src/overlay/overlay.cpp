@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -9,49 +10,17 @@
 #include <opencv2/imgproc.hpp>
 
 #include "brink/disparity.hpp"
+#include "overlay/marks.hpp"
+#include "overlay/writing.hpp"
 
 namespace brink {
 namespace {
-
-const cv::Scalar kGreen(0, 200, 0);
-const cv::Scalar kRed(0, 0, 255);
-const cv::Scalar kCyan(255, 255, 0);
-const cv::Scalar kMagenta(255, 0, 255);
-const cv::Scalar kGrey(160, 160, 160);
-const cv::Scalar kLightGrey(225, 225, 225);
-const cv::Scalar kWhite(255, 255, 255);
-const cv::Scalar kBlack(0, 0, 0);
 
 cv::Mat3b left_picture(const Frame& frame) {
   if (!frame.left_color.empty()) return frame.left_color.clone();
   cv::Mat3b picture;
   if (!frame.left.empty()) cv::cvtColor(frame.left, picture, cv::COLOR_GRAY2BGR);
   return picture;
-}
-
-// Sizes of text and lines grow with the picture, so that it reads the same in a paper or on a phone.
-struct Pen {
-  double text = 0.0;  // font scale
-  int line = 1;       // px
-  explicit Pen(const cv::Mat& picture) : text(std::max(0.4, picture.cols / 1400.0)), line(std::max(1, picture.cols / 500)) {}
-};
-
-cv::Size text_size(const std::string& text, double scale, int line) {
-  int below = 0;
-  cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, line, &below);
-  size.height += below;
-  return size;
-}
-
-// Text with a dark outline, its top left corner near `corner`, moved as far as needed to stay inside the picture.
-void write(cv::Mat3b& picture, const std::string& text, cv::Point corner, double scale, int line, const cv::Scalar& color) {
-  const cv::Size size = text_size(text, scale, line);
-  const int margin = 2 * line;
-  corner.x = std::clamp(corner.x, margin, std::max(margin, picture.cols - size.width - margin));
-  corner.y = std::clamp(corner.y, margin, std::max(margin, picture.rows - size.height - margin));
-  const cv::Point base(corner.x, corner.y + size.height * 3 / 4);
-  cv::putText(picture, text, base, cv::FONT_HERSHEY_SIMPLEX, scale, kBlack, line + 2 * std::max(1, line), cv::LINE_AA);
-  cv::putText(picture, text, base, cv::FONT_HERSHEY_SIMPLEX, scale, color, line, cv::LINE_AA);
 }
 
 void tint(cv::Vec3b& pixel, const cv::Scalar& color, double share) {
@@ -61,13 +30,8 @@ void tint(cv::Vec3b& pixel, const cv::Scalar& color, double share) {
 }
 
 void write_ground_state(cv::Mat3b& picture, const Detection& detection) {
-  const GroundEstimate& ground = detection.ground;
   const Pen pen(picture);
-  std::string text = "ground " + to_string(ground.state);
-  std::replace(text.begin(), text.end(), '_', ' ');
-  if (detection.status != FrameStatus::ok) text = to_string(detection.status) + ": " + detection.reason;
-  if (ground.plane) text += fmt::format(" {:.2f} m, {:.1f} deg", ground.pose.height_m, ground.pose.pitch_deg);
-  if (!ground.reason.empty()) text += ": " + ground.reason;
+  const std::string text = describe_ground(detection);
   const double fitting = pen.text * (picture.cols - 4.0 * pen.line) / std::max(1, text_size(text, pen.text, pen.line).width);
   write(picture, text, {0, 0}, std::min(pen.text, fitting), pen.line, kWhite);
 }
@@ -80,23 +44,24 @@ void outline(cv::Mat3b& picture, const Candidate& candidate, const cv::Scalar& c
 
 const cv::Scalar& color_of(CandidateType type) { return type == CandidateType::below_ground ? kCyan : kMagenta; }
 
-// The scale of disparities: a strip of the same colours, near on top, with the values at both ends.
-void draw_scale(cv::Mat3b& picture, float smallest, float greatest) {
-  constexpr int kSmallest = 80;  // px: below that there is no room for a scale
-  if (picture.cols < kSmallest || picture.rows < kSmallest) return;
-  const Pen pen(picture);
-  const cv::Rect strip(picture.cols - picture.cols / 20, picture.rows / 8, std::max(1, picture.cols / 40),
-                       picture.rows * 3 / 4);
-  cv::Mat1b levels(strip.size());
-  for (int v = 0; v < levels.rows; ++v) levels.row(v) = cv::saturate_cast<uchar>(255 - 255 * v / std::max(1, levels.rows - 1));
+// 256 colours, far first.
+cv::Mat3b disparity_colors() {
+  cv::Mat1b levels(256, 1);
+  std::iota(levels.begin(), levels.end(), uchar{0});
   cv::Mat3b colors;
   cv::applyColorMap(levels, colors, cv::COLORMAP_TURBO);
-  colors.copyTo(picture(strip));
-  cv::rectangle(picture, strip, kWhite, 1);
-  const int height = text_size("0 px", pen.text, pen.line).height;
-  write(picture, fmt::format("{:.0f} px", greatest), {picture.cols, strip.y - height - 2 * pen.line}, pen.text, pen.line,
-        kWhite);
-  write(picture, fmt::format("{:.0f} px", smallest), {picture.cols, strip.br().y + 2 * pen.line}, pen.text, pen.line, kWhite);
+  return colors;
+}
+
+// Beside the contour, at the right unless there is no room.
+void write_beside(cv::Mat3b& picture, const Candidate& candidate, const std::string& text, double scale, int line,
+                  const cv::Scalar& color) {
+  if (candidate.contour.empty()) return;
+  const cv::Rect box = cv::boundingRect(candidate.contour);
+  const cv::Size size = text_size(text, scale, line);
+  const bool fits_right = box.br().x + 3 * line + size.width < picture.cols;
+  const int x = fits_right ? box.br().x + 3 * line : box.x - 3 * line - size.width;
+  write(picture, text, {x, box.y + box.height / 2 - size.height / 2}, scale, line, color);
 }
 
 // The disparities that 1 % of the valid pixels lie below and above: single wild ones do not use up the colours.
@@ -142,7 +107,7 @@ cv::Mat3b draw_disparity(const cv::Mat1f& disparity) {
   disparity.convertTo(levels, CV_8U, scale, -scale * smallest);
   cv::applyColorMap(levels, picture, cv::COLORMAP_TURBO);
   picture.setTo(kBlack, disparity < 0.0F);
-  draw_scale(picture, smallest, greatest);
+  draw_color_scale(picture, disparity_colors(), fmt::format("{:.0f} px", smallest), fmt::format("{:.0f} px", greatest));
   return picture;
 }
 
@@ -171,15 +136,13 @@ cv::Mat3b draw_obstacles(const Frame& frame, const Detection& detection) {
   picture.forEach([&filled](cv::Vec3b& pixel, const int* at) {
     if (filled(at[0], at[1]) != 0) tint(pixel, kRed, 0.4);
   });
+  for (const NegativeObstacle& track : detection.tracks) {
+    outline(picture, track.candidate, kBlue, 1);
+    write_beside(picture, track.candidate, label_of(track), 0.7 * pen.text, 1, kBlue);
+  }
   for (const NegativeObstacle& obstacle : detection.obstacles) outline(picture, obstacle.candidate, kRed, pen.line);
   for (const NegativeObstacle& obstacle : detection.obstacles) {
-    if (obstacle.candidate.contour.empty()) continue;
-    const cv::Rect box = cv::boundingRect(obstacle.candidate.contour);
-    const std::string text = fmt::format("{:.1f} m", obstacle.candidate.distance_m);
-    const cv::Size size = text_size(text, pen.text, pen.line);
-    const bool fits_right = box.br().x + 3 * pen.line + size.width < picture.cols;
-    const int x = fits_right ? box.br().x + 3 * pen.line : box.x - 3 * pen.line - size.width;
-    write(picture, text, {x, box.y + box.height / 2 - size.height / 2}, pen.text, pen.line, kWhite);
+    write_beside(picture, obstacle.candidate, label_of(obstacle), pen.text, pen.line, kWhite);
   }
   write_ground_state(picture, detection);
   return picture;
