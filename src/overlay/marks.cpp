@@ -15,6 +15,16 @@ std::string label_of(const NegativeObstacle& obstacle) {
   return fmt::format("{}  #{} age {}", distance, obstacle.id, obstacle.track_length);
 }
 
+cv::Point Labels::place(cv::Point corner, const cv::Size& size) {
+  const auto covered = [&](const cv::Rect& other) { return (cv::Rect(corner, size) & other).area() > 0; };
+  for (auto other = taken_.begin(); other != taken_.end();) {
+    other = std::find_if(taken_.begin(), taken_.end(), covered);
+    if (other != taken_.end()) corner.y = other->br().y;
+  }
+  taken_.emplace_back(corner, size);
+  return corner;
+}
+
 std::string describe_ground(const Detection& detection) {
   if (detection.status != FrameStatus::ok) return to_string(detection.status) + ": " + detection.reason;
   const GroundEstimate& ground = detection.ground;

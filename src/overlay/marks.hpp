@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -26,6 +27,16 @@ inline const cv::Vec3b kBelowSeen(35, 35, 120);
 
 /// "2.3 m", with "#3 age 9" when it was followed over frames.
 std::string label_of(const NegativeObstacle& obstacle);
+
+/// Keeps labels apart.
+class Labels {
+ public:
+  /// The top left corner of a label, moved down until it covers none of those before it.
+  cv::Point place(cv::Point corner, const cv::Size& size);
+
+ private:
+  std::vector<cv::Rect> taken_;
+};
 
 /// "ground seen 1.64 m, 24.9 deg", with the reason when it is not; for a failed frame its status and reason.
 std::string describe_ground(const Detection& detection);

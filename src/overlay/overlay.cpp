@@ -54,14 +54,14 @@ cv::Mat3b disparity_colors() {
 }
 
 // Beside the contour, at the right unless there is no room.
-void write_beside(cv::Mat3b& picture, const Candidate& candidate, const std::string& text, double scale, int line,
-                  const cv::Scalar& color) {
+void write_beside(cv::Mat3b& picture, Labels& labels, const Candidate& candidate, const std::string& text, double scale,
+                  int line, const cv::Scalar& color) {
   if (candidate.contour.empty()) return;
   const cv::Rect box = cv::boundingRect(candidate.contour);
   const cv::Size size = text_size(text, scale, line);
   const bool fits_right = box.br().x + 3 * line + size.width < picture.cols;
   const int x = fits_right ? box.br().x + 3 * line : box.x - 3 * line - size.width;
-  write(picture, text, {x, box.y + box.height / 2 - size.height / 2}, scale, line, color);
+  write(picture, text, labels.place({x, box.y + box.height / 2 - size.height / 2}, size), scale, line, color);
 }
 
 // The disparities that 1 % of the valid pixels lie below and above: single wild ones do not use up the colours.
@@ -136,13 +136,14 @@ cv::Mat3b draw_obstacles(const Frame& frame, const Detection& detection) {
   picture.forEach([&filled](cv::Vec3b& pixel, const int* at) {
     if (filled(at[0], at[1]) != 0) tint(pixel, kRed, 0.4);
   });
-  for (const NegativeObstacle& track : detection.tracks) {
-    outline(picture, track.candidate, kBlue, 1);
-    write_beside(picture, track.candidate, label_of(track), 0.7 * pen.text, 1, kBlue);
-  }
+  for (const NegativeObstacle& track : detection.tracks) outline(picture, track.candidate, kBlue, 1);
   for (const NegativeObstacle& obstacle : detection.obstacles) outline(picture, obstacle.candidate, kRed, pen.line);
+  Labels labels;
   for (const NegativeObstacle& obstacle : detection.obstacles) {
-    write_beside(picture, obstacle.candidate, label_of(obstacle), pen.text, pen.line, kWhite);
+    write_beside(picture, labels, obstacle.candidate, label_of(obstacle), pen.text, pen.line, kWhite);
+  }
+  for (const NegativeObstacle& track : detection.tracks) {
+    write_beside(picture, labels, track.candidate, label_of(track), 0.7 * pen.text, 1, kBlue);
   }
   write_ground_state(picture, detection);
   return picture;

@@ -92,7 +92,7 @@ void draw_field_of_view(cv::Mat3b& picture, const Map& map, const cv::Size& left
 }
 
 void draw_rings(cv::Mat3b& picture, const Map& map, const Pen& pen) {
-  constexpr double kLabelAngle = 0.9;  // rad from straight ahead to the left, beside most cameras' view
+  constexpr double kLabelAngle = 1.0;  // rad from straight ahead to the left, beside most cameras' view
   for (int range = 1; range <= 5; ++range) {
     cv::circle(picture, map.place(0.0, 0.0), cvRound(range * map.pixels_per_m()), kRing, 1, cv::LINE_AA);
     const std::string text = fmt::format("{} m", range);
@@ -121,20 +121,25 @@ void draw_path(cv::Mat3b& picture, const Map& map, const std::vector<Eigen::Vect
                      kYellow, cv::LINE_AA);
 }
 
-void draw_marks(cv::Mat3b& picture, const Map& map, const std::vector<NegativeObstacle>& obstacles, const StereoCamera& camera,
-                bool reported, const Pen& pen) {
+void draw_openings(cv::Mat3b& picture, const Map& map, const std::vector<NegativeObstacle>& obstacles,
+                   const StereoCamera& camera, bool reported, int line) {
   const cv::Scalar& color = reported ? kRed : kBlue;
   for (const NegativeObstacle& obstacle : obstacles) {
     const Polygon opening = opening_of(obstacle.candidate, map, camera);
     if (opening.empty()) continue;
     if (reported) cv::fillPoly(picture, std::vector<Polygon>{opening}, color * 0.7);
-    cv::polylines(picture, opening, true, color, reported ? 2 * pen.line : 1, cv::LINE_AA);
+    cv::polylines(picture, opening, true, color, line, cv::LINE_AA);
   }
+}
+
+void draw_rims(cv::Mat3b& picture, const Map& map, const std::vector<NegativeObstacle>& obstacles, Labels& labels,
+               const cv::Scalar& color, const Pen& pen) {
   for (const NegativeObstacle& obstacle : obstacles) {
     const cv::Point rim = map.place(obstacle.candidate.rim_nearest);
-    cv::circle(picture, rim, 2 + 2 * pen.line, reported ? kWhite : kBlue, cv::FILLED, cv::LINE_AA);
+    cv::circle(picture, rim, 2 + 2 * pen.line, color, cv::FILLED, cv::LINE_AA);
     const std::string text = label_of(obstacle);
-    write(picture, text, rim + cv::Point(6 * pen.line, 2 * pen.line), pen.text, pen.line, reported ? kWhite : kBlue);
+    const cv::Point corner = labels.place(rim + cv::Point(6 * pen.line, 2 * pen.line), text_size(text, pen.text, pen.line));
+    write(picture, text, corner, pen.text, pen.line, color);
   }
 }
 
@@ -153,8 +158,11 @@ cv::Mat3b draw_top_view(const Frame& frame, const Detection& detection, const st
   draw_rings(picture, map, pen);
   if (!has_ground) return picture;
   draw_path(picture, map, path, pen.line);
-  draw_marks(picture, map, detection.tracks, frame.camera, false, pen);
-  draw_marks(picture, map, detection.obstacles, frame.camera, true, pen);
+  draw_openings(picture, map, detection.obstacles, frame.camera, true, 2 * pen.line);
+  draw_openings(picture, map, detection.tracks, frame.camera, false, 1);
+  Labels labels;
+  draw_rims(picture, map, detection.obstacles, labels, kWhite, pen);
+  draw_rims(picture, map, detection.tracks, labels, kBlue, pen);
   return picture;
 }
 

@@ -87,10 +87,11 @@ void draw_legend(cv::Mat3b& canvas, cv::Point corner) {
     cv::Scalar color;
     bool filled;
   };
-  static const std::array<Entry, 5> kEntries{{{"drop, reported", kRed, true},
+  static const std::array<Entry, 6> kEntries{{{"drop, reported", kRed, true},
                                               {"seen, not reported", kBlue, false},
                                               {"ground", cv::Scalar(kGroundSeen), true},
                                               {"below ground", cv::Scalar(kBelowSeen), true},
+                                              {"hidden or unknown", kGrey, false},
                                               {"camera and path", kYellow, true}}};
   constexpr int kSide = 16;  // px
   for (const Entry& entry : kEntries) {
