@@ -53,14 +53,16 @@ cv::Mat3b disparity_colors() {
   return colors;
 }
 
-// Beside the contour, at the right unless there is no room.
+// Beside the contour, at the right unless there is no room; in the middle of a wide one, whose sides are far away.
 void write_beside(cv::Mat3b& picture, Labels& labels, const Candidate& candidate, const std::string& text, double scale,
                   int line, const cv::Scalar& color) {
   if (candidate.contour.empty()) return;
   const cv::Rect box = cv::boundingRect(candidate.contour);
   const cv::Size size = text_size(text, scale, line);
   const bool fits_right = box.br().x + 3 * line + size.width < picture.cols;
-  const int x = fits_right ? box.br().x + 3 * line : box.x - 3 * line - size.width;
+  const bool is_wide = box.width > picture.cols / 4 && box.width > 2 * size.width;
+  int x = fits_right ? box.br().x + 3 * line : box.x - 3 * line - size.width;
+  if (is_wide) x = box.x + box.width / 2 - size.width / 2;
   write(picture, text, labels.place({x, box.y + box.height / 2 - size.height / 2}, size), scale, line, color);
 }
 

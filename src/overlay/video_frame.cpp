@@ -91,13 +91,13 @@ void draw_legend(cv::Mat3b& canvas, cv::Point corner) {
                                               {"seen, not reported", kBlue, false},
                                               {"ground", cv::Scalar(kGroundSeen), true},
                                               {"below ground", cv::Scalar(kBelowSeen), true},
-                                              {"hidden or unknown", kGrey, false},
+                                              {"not seen", kGrey, false},
                                               {"camera and path", kYellow, true}}};
   constexpr int kSide = 16;  // px
   for (const Entry& entry : kEntries) {
     cv::rectangle(canvas, {corner.x, corner.y, kSide, kSide}, entry.color, entry.filled ? cv::FILLED : 1);
     write(canvas, entry.text, corner + cv::Point(kSide + 6, -1), 0.5, 1, kLightGrey);
-    corner.x += kSide + 6 + text_size(entry.text, 0.5, 1).width + 22;
+    corner.x += kSide + 6 + text_size(entry.text, 0.5, 1).width + 20;
   }
 }
 

@@ -153,7 +153,7 @@ TEST(VideoWriter, NoticesAtCommitWhatDidNotFitForAWhile) {
       VideoWriter video(folder / name, kSize, 15.0);
       {
         const SizeLimit limit(0);
-        for (int i = 0; i < 200; ++i) {
+        for (int i = 0; i < 80; ++i) {
           try {
             video.write(noise(i));
           } catch (const std::runtime_error&) {
