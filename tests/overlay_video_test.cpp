@@ -229,6 +229,16 @@ TEST(DrawVideoFrame, WritesTheStateOfTheEgoMotion) {
   EXPECT_TRUE(differ(ok, draw_video_frame(frame, detection, {}, "ego-motion: too few matches")));
 }
 
+TEST(DrawVideoFrame, KeepsLongTextInItsPanel) {
+  const std::string reason(300, 'x');
+  const Detection failed = make_failed_detection(3, 0.2, FrameStatus::no_picture, reason);
+  const cv::Mat3b longer = draw_video_frame(Frame{}, failed, {}, reason);
+  const cv::Mat3b shorter = draw_video_frame(Frame{}, make_failed_detection(3, 0.2, FrameStatus::no_picture, "x"), {}, "x");
+  const cv::Rect right(960, 0, 640, 720);
+  EXPECT_FALSE(differ(longer(right).clone(), shorter(right).clone()));
+  EXPECT_TRUE(differ(longer, shorter));
+}
+
 TEST(DrawVideoFrame, NamesTheNearestObstacleAndNeverCallsAFailureSilence) {
   const Frame frame = frame_over_ground();
   const cv::Rect headline(0, 540, 960, 70);

@@ -35,6 +35,13 @@ std::string describe_ground(const Detection& detection) {
   return text;
 }
 
+void write_fitting(cv::Mat3b& picture, const std::string& text, cv::Point corner, double scale, int line,
+                   const cv::Scalar& color) {
+  const double room = picture.cols - corner.x - 4.0 * line;
+  const double fitting = scale * room / std::max(1, text_size(text, scale, line).width);
+  write(picture, text, corner, std::min(scale, fitting), line, color);
+}
+
 void draw_color_scale(cv::Mat3b& picture, const cv::Mat3b& colors, const std::string& lowest, const std::string& highest) {
   constexpr int kSmallest = 80;  // px: below that there is no room for a scale
   if (picture.cols < kSmallest || picture.rows < kSmallest) return;

@@ -41,6 +41,10 @@ class Labels {
 /// "ground seen 1.64 m, 24.9 deg", with the reason when it is not; for a failed frame its status and reason.
 std::string describe_ground(const Detection& detection);
 
+/// A line of text that is made smaller where it would not fit between the corner and the right border.
+void write_fitting(cv::Mat3b& picture, const std::string& text, cv::Point corner, double scale, int line,
+                   const cv::Scalar& color);
+
 /// A strip of colours at the right with the values at both ends, unless the picture is too small for it.
 /// @param colors one column, the lowest value first.
 void draw_color_scale(cv::Mat3b& picture, const cv::Mat3b& colors, const std::string& lowest, const std::string& highest);

@@ -31,9 +31,7 @@ void tint(cv::Vec3b& pixel, const cv::Scalar& color, double share) {
 
 void write_ground_state(cv::Mat3b& picture, const Detection& detection) {
   const Pen pen(picture);
-  const std::string text = describe_ground(detection);
-  const double fitting = pen.text * (picture.cols - 4.0 * pen.line) / std::max(1, text_size(text, pen.text, pen.line).width);
-  write(picture, text, {0, 0}, std::min(pen.text, fitting), pen.line, kWhite);
+  write_fitting(picture, describe_ground(detection), {0, 0}, pen.text, pen.line, kWhite);
 }
 
 using Contours = std::vector<std::vector<cv::Point>>;

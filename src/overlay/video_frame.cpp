@@ -50,16 +50,16 @@ std::vector<NegativeObstacle> scaled(std::vector<NegativeObstacle> obstacles, do
 
 // Drawn at the size of the panel, not resized afterwards: text and lines stay sharp for any picture.
 cv::Mat3b draw_left(const Frame& frame, const Detection& detection) {
-  if (frame.left.empty()) return {};
   Frame small;
   small.left = resized_to(frame.left, kLeftPanel, cv::INTER_AREA);
   small.left_color = resized_to(frame.left_color, kLeftPanel, cv::INTER_AREA);
+  if (frame.left.empty()) small.left = cv::Mat1b(kLeftPanel.size(), uchar{0});
   Detection told;
   told.status = detection.status;
   told.reason = detection.reason;
   told.ground = detection.ground;
-  const double across = small.left.cols / static_cast<double>(frame.left.cols);
-  const double down = small.left.rows / static_cast<double>(frame.left.rows);
+  const double across = small.left.cols / std::max(1.0, static_cast<double>(frame.left.cols));
+  const double down = small.left.rows / std::max(1.0, static_cast<double>(frame.left.rows));
   told.obstacles = scaled(detection.obstacles, across, down);
   told.tracks = scaled(detection.tracks, across, down);
   return draw_obstacles(small, told);
@@ -101,13 +101,13 @@ void draw_legend(cv::Mat3b& canvas, cv::Point corner) {
   }
 }
 
-void draw_words(cv::Mat3b& canvas, const Detection& detection, const std::string& ego_motion) {
+void draw_words(cv::Mat3b panel, const Detection& detection, const std::string& ego_motion) {
   constexpr int kIndent = 16;  // px
   const auto [headline, color] = headline_of(detection);
-  write(canvas, headline, kWordsPanel.tl() + cv::Point(kIndent, 14), 1.3, 2, color);
+  write(panel, headline, {kIndent, 14}, 1.3, 2, color);
   const std::string words = fmt::format("frame {}   {:.2f} s   {}", detection.frame, detection.time, ego_motion);
-  write(canvas, words, kWordsPanel.tl() + cv::Point(kIndent, 78), kTextScale, 1, kWhite);
-  draw_legend(canvas, kWordsPanel.tl() + cv::Point(kIndent, 136));
+  write_fitting(panel, words, {kIndent, 78}, kTextScale, 1, kWhite);
+  draw_legend(panel, {kIndent, 136});
 }
 
 void write_caption(cv::Mat3b& canvas, const cv::Rect& panel, const std::string& text) {
@@ -119,16 +119,14 @@ void write_caption(cv::Mat3b& canvas, const cv::Rect& panel, const std::string& 
 cv::Mat3b draw_video_frame(const Frame& frame, const Detection& detection, const std::vector<Eigen::Vector3d>& path,
                            const std::string& ego_motion, const CandidateParams& params) {
   cv::Mat3b canvas(kVideoHeight, kVideoWidth, cv::Vec3b(0, 0, 0));
-  const cv::Mat3b left = draw_left(frame, detection);
-  put_into(canvas, kLeftPanel, left);
-  if (left.empty()) write(canvas, describe_ground(detection), kLeftPanel.tl() + cv::Point(16, 260), kTextScale, 1, kWhite);
+  put_into(canvas, kLeftPanel, draw_left(frame, detection));
   put_into(canvas, kDisparityPanel, draw_disparity(resized_to(detection.disparity, kDisparityPanel, cv::INTER_NEAREST)));
   put_into(canvas, kElevationPanel, draw_elevation(resized_to(detection.elevation, kElevationPanel, cv::INTER_NEAREST)));
   put_into(canvas, kTopPanel, draw_top_view(frame, detection, path, kTopPanel.size(), params));
   write_caption(canvas, kDisparityPanel, detection.disparity.empty() ? "disparity: none" : "disparity");
   write_caption(canvas, kElevationPanel, detection.elevation.empty() ? "height over ground: not known" : "height over ground");
   write_caption(canvas, kTopPanel, "from above");
-  draw_words(canvas, detection, ego_motion);
+  draw_words(canvas(kWordsPanel), detection, ego_motion);
   for (const cv::Rect& panel : {kDisparityPanel, kElevationPanel, kTopPanel}) cv::rectangle(canvas, panel, kGrey * 0.5, 1);
   return canvas;
 }
