@@ -10,7 +10,7 @@
 namespace brink {
 
 std::string label_of(const NegativeObstacle& obstacle) {
-  const std::string distance = fmt::format("{:.1f} m", obstacle.candidate.distance_m);
+  std::string distance = fmt::format("{:.1f} m", obstacle.candidate.distance_m);
   if (obstacle.track_length <= 1) return distance;
   return fmt::format("{}  #{} age {}", distance, obstacle.id, obstacle.track_length);
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -23,8 +24,10 @@ using Polygon = std::vector<cv::Point>;
 // Between the ground plane and the picture: forward is up, the foot of the camera near the bottom.
 class Map {
  public:
-  Map(const GroundPose& pose, const cv::Size& size)
-      : pose_(pose), pixels_per_m_(size.height / (kAhead + kBehind)), foot_(size.width / 2.0, kAhead * pixels_per_m_) {}
+  Map(GroundPose pose, const cv::Size& size)
+      : pose_(std::move(pose)),
+        pixels_per_m_(size.height / (kAhead + kBehind)),
+        foot_(size.width / 2.0, kAhead * pixels_per_m_) {}
 
   [[nodiscard]] double pixels_per_m() const { return pixels_per_m_; }
   [[nodiscard]] cv::Point place(double right, double forward) const {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -87,14 +88,14 @@ void draw_legend(cv::Mat3b& canvas, cv::Point corner) {
     cv::Scalar color;
     bool filled;
   };
-  static const std::array<Entry, 6> kEntries{{{"drop, reported", kRed, true},
-                                              {"seen, not reported", kBlue, false},
-                                              {"ground", cv::Scalar(kGroundSeen), true},
-                                              {"below ground", cv::Scalar(kBelowSeen), true},
-                                              {"not seen", kGrey, false},
-                                              {"camera and path", kYellow, true}}};
+  static const std::array<Entry, 6> entries{{{"drop, reported", kRed, true},
+                                             {"seen, not reported", kBlue, false},
+                                             {"ground", cv::Scalar(kGroundSeen), true},
+                                             {"below ground", cv::Scalar(kBelowSeen), true},
+                                             {"not seen", kGrey, false},
+                                             {"camera and path", kYellow, true}}};
   constexpr int kSide = 16;  // px
-  for (const Entry& entry : kEntries) {
+  for (const Entry& entry : entries) {
     cv::rectangle(canvas, {corner.x, corner.y, kSide, kSide}, entry.color, entry.filled ? cv::FILLED : 1);
     write(canvas, entry.text, corner + cv::Point(kSide + 6, -1), 0.5, 1, kLightGrey);
     corner.x += kSide + 6 + text_size(entry.text, 0.5, 1).width + 20;
