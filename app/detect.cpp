@@ -11,6 +11,7 @@
 #include "brink/overlay.hpp"
 #include "brink/pictures.hpp"
 #include "brink/trajectory.hpp"
+#include "brink/video.hpp"
 #include "common.hpp"
 
 namespace brink::app {
@@ -57,15 +58,51 @@ struct Summary {
   }
 };
 
-void write_overlays(const OutputFolder& folder, const Frame& frame, const Detection& detection, const CandidateParams& params) {
-  const auto write = [&](const char* name, const cv::Mat3b& picture) {
-    write_file(folder.file(fmt::format("{:06}_{}.png", frame.index, name)), encode_png(picture));
-  };
-  write("ground", draw_ground(frame, detection, params));
-  write("disparity", draw_disparity(detection.disparity));
-  write("candidates", draw_candidates(frame, detection));
-  write("drops", draw_obstacles(frame, detection));
+std::string ego_motion_text(const Detection& detection) {
+  std::string text = "ego-motion " + to_string(detection.ego_motion_state);
+  if (!detection.ego_motion.reason.empty()) text += ": " + detection.ego_motion.reason;
+  return text;
 }
+
+/// Where --overlay goes: a video of all frames, or a folder of pictures of those that are ok.
+class Overlay {
+ public:
+  Overlay(const std::string& path, const Sequence& sequence) {
+    if (path.empty()) return;
+    if (!is_video_name(path)) {
+      folder_.emplace(path);
+      return;
+    }
+    std::vector<double> times;
+    for (const FrameStamp& stamp : sequence.stamps()) times.push_back(stamp.time);
+    video_.emplace(path, cv::Size(kVideoWidth, kVideoHeight), compute_video_fps(times));
+  }
+
+  void add(const Frame& frame, const Detection& detection, const CandidateParams& params) {
+    const std::optional<EgoMotion>& motion = detection.ego_motion.motion;
+    trail_.add(motion ? std::optional(motion->current_from_previous) : std::nullopt);
+    if (video_) video_->write(draw_video_frame(frame, detection, trail_.path(), ego_motion_text(detection), params));
+    if (folder_ && detection.status == FrameStatus::ok) write_pictures(frame, detection, params);
+  }
+  void commit() {
+    if (video_) video_->commit();
+  }
+
+ private:
+  void write_pictures(const Frame& frame, const Detection& detection, const CandidateParams& params) const {
+    const auto write = [&](const char* name, const cv::Mat3b& picture) {
+      write_file(folder_->file(fmt::format("{:06}_{}.png", frame.index, name)), encode_png(picture));
+    };
+    write("ground", draw_ground(frame, detection, params));
+    write("disparity", draw_disparity(detection.disparity));
+    write("candidates", draw_candidates(frame, detection));
+    write("drops", draw_obstacles(frame, detection));
+  }
+
+  std::optional<OutputFolder> folder_;
+  std::optional<VideoWriter> video_;
+  PathTrail trail_;
+};
 
 /// The poses of --poses, one for each frame.
 std::vector<Eigen::Isometry3d> read_given_poses(const std::string& path, const Sequence& sequence) {
@@ -84,17 +121,15 @@ int detect(const DetectOptions& options) {
   const bool pair = !options.input.right.empty();
   params.stills = params.stills || options.stills || pair;
   const auto threads = limit_threads(options.threads);
-  std::optional<OutputFolder> overlay;
-  if (!options.overlay.empty()) overlay.emplace(options.overlay);
+  Overlay overlay(options.overlay, sequence);
   OutputFile out(options.out);
 
   Summary summary;
   Faults faults;
   const auto on_frame = [&](const FrameReading& reading, const Detection& detection) {
-    const bool readable = reading.status == FrameStatus::ok;
     faults.tell(reading);
     out.write(to_json_line(detection));
-    if (readable && overlay) write_overlays(*overlay, reading.frame, detection, params.candidates);
+    overlay.add(reading.frame, detection, params.candidates);
     summary.add(detection);
   };
   const bool whole = process_sequence(sequence, params, on_frame, read_given_poses(options.poses, sequence));
@@ -102,6 +137,7 @@ int detect(const DetectOptions& options) {
     if (!pair) say(fmt::format("none of {} frames can be used", summary.frames));
     return kExitData;
   }
+  overlay.commit();
   out.commit();
   if (pair) say("one pair: candidates are reported as obstacles at once, as with --stills");
   say(summary.text());
@@ -136,9 +172,11 @@ Run add_detect(CLI::App& command) {
                   "Write the detections, JSON Lines, to this file. Without it they go to standard output")
       ->type_name("FILE");
   command
-      .add_option("--overlay", options->overlay,
-                  "Write four pictures of each frame into this folder: ground, disparity, candidates, drops")
-      ->type_name("FOLDER");
+      .add_option(
+          "--overlay", options->overlay,
+          "Named .mp4, .avi or .mkv: write an annotated video of all frames. Any other name: write four pictures of each "
+          "frame into this folder: ground, disparity, candidates, drops")
+      ->type_name("FILE|FOLDER");
   command.add_flag("--stills", options->stills,
                    "The pictures are unrelated: report every candidate at once instead of following it over frames");
   command
@@ -151,7 +189,7 @@ Run add_detect(CLI::App& command) {
   add_threads_option(command, options->threads);
   command.footer(
       "Examples:\n"
-      "  brink detect walk/ --out walk.jsonl --overlay pictures/\n"
+      "  brink detect walk/ --out walk.jsonl --overlay walk.mp4\n"
       "  brink detect left.png --right right.png --calib calib.txt\n"
       "  brink detect side_by_side.mp4 --calib calib.txt --out walk.jsonl\n"
       "  brink detect potholes/ --stills --set candidates.min_depth_m=0.01\n"

@@ -15,15 +15,19 @@ std::string read_file(const std::string& path);
 /// when there was no commit(). What is not a regular file (/dev/stdout, a pipe) is written directly.
 class OutputFile {
  public:
-  /// @param path "-" = standard output.
+  /// @param path "-" = standard output. @param ending of the temporary name, for libraries that tell a format by it.
   /// @throws std::runtime_error "path: cannot be written: ..."
-  explicit OutputFile(const std::string& path);
+  explicit OutputFile(const std::string& path, const std::string& ending = "");
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
   ~OutputFile();
 
   /// @throws std::runtime_error "path: cannot be written: ..." as soon as the disk is full.
   void write(std::string_view bytes);
+  /// The name until commit(), for libraries that write a file by its name; empty when it is written directly.
+  [[nodiscard]] const std::string& temporary() const { return temporary_; }
+  /// For those: whether the file could still grow. @throws std::runtime_error as write does when it could not.
+  void check_room();
   /// Closes the file and gives it its name. @throws std::runtime_error as write does.
   void commit();
 

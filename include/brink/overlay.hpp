@@ -1,5 +1,10 @@
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
 #include "brink/candidates.hpp"
@@ -23,8 +28,44 @@ cv::Mat3b draw_disparity(const cv::Mat1f& disparity);
 /// they failed.
 cv::Mat3b draw_candidates(const Frame& frame, const Detection& detection);
 
-/// The left picture with the obstacles that are reported, filled and outlined, the distance of the rim beside each; the state
-/// of the ground is written at the top.
+/// The left picture with the obstacles that are reported, filled and outlined, and with the tracks that are not, thin blue;
+/// beside each the distance of its rim, and its id and age (track_length) when it was followed over frames; the state of the
+/// ground is written at the top.
 cv::Mat3b draw_obstacles(const Frame& frame, const Detection& detection);
+
+/// Elevations in colour: ground green, below it red, darker the deeper, above it blue, black = none, with a scale from -1 to
+/// 1 m at the right unless the picture is too small for it. Empty for an empty image. @param elevation m, NaN = none.
+cv::Mat3b draw_elevation(const cv::Mat1f& elevation);
+
+/// The places the camera has been at, seen from where it is now.
+class PathTrail {
+ public:
+  /// One frame on. @param current_from_previous motion of the left camera; empty = not known: the path starts anew.
+  void add(const std::optional<Eigen::Isometry3d>& current_from_previous);
+  /// Earlier positions in the current left camera frame, m, newest last, not the current one. The latest 1000 at most.
+  [[nodiscard]] const std::vector<Eigen::Vector3d>& path() const { return path_; }
+
+ private:
+  std::vector<Eigen::Vector3d> path_;
+};
+
+/// The scene from above, laid onto the ground plane: ground that is seen dark green, what is seen below it dark red, obstacles
+/// red and tracks thin blue with their labels, a dot on the nearest point of each rim, range rings at 1 to 5 m, the part of the
+/// ground that the camera has in view, and the path. The camera stands near the bottom and looks up. Without a ground there are
+/// only the rings.
+/// @param path positions in the current left camera frame, m, newest last (PathTrail). @param size of the picture, px, > 0.
+cv::Mat3b draw_top_view(const Frame& frame, const Detection& detection, const std::vector<Eigen::Vector3d>& path,
+                        const cv::Size& size, const CandidateParams& params = {});
+
+/// Size of draw_video_frame's pictures, px.
+inline constexpr int kVideoWidth = 1600;
+inline constexpr int kVideoHeight = 720;
+
+/// One frame of the annotated video, of the same size whatever the state. Left: draw_obstacles, below it the nearest obstacle
+/// in words, the frame and the legend. Right: disparity, elevation, the top view. A frame that failed shows its reason and what
+/// there is of it.
+/// @param ego_motion its state in words. The others as for draw_top_view.
+cv::Mat3b draw_video_frame(const Frame& frame, const Detection& detection, const std::vector<Eigen::Vector3d>& path,
+                           const std::string& ego_motion, const CandidateParams& params = {});
 
 }  // namespace brink

@@ -30,10 +30,10 @@ bool is_written_directly(const std::string& path) {
 }
 
 // Unique among the processes and threads that write into one folder.
-std::string temporary_name(const std::string& target) {
+std::string temporary_name(const std::string& target, const std::string& ending) {
   static std::atomic<unsigned> counter{0};
   const fs::path path(target);
-  const std::string name = fmt::format(".{}.{}.{}.part", path.filename().string(), ::getpid(), counter++);
+  const std::string name = fmt::format(".{}.{}.{}.part{}", path.filename().string(), ::getpid(), counter++, ending);
   return (path.parent_path() / name).string();
 }
 
@@ -50,7 +50,7 @@ std::string read_file(const std::string& path) {
   return bytes;
 }
 
-OutputFile::OutputFile(const std::string& path) : path_(path), target_(path) {
+OutputFile::OutputFile(const std::string& path, const std::string& ending) : path_(path), target_(path) {
   std::error_code missing;
   if (path == "-") {
     descriptor_ = ::dup(STDOUT_FILENO);
@@ -64,7 +64,7 @@ OutputFile::OutputFile(const std::string& path) : path_(path), target_(path) {
       if (::access(path.c_str(), W_OK) != 0) fail(errno);
       target_ = fs::canonical(path).string();  // a link stays a link, its target is replaced
     }
-    temporary_ = temporary_name(target_);
+    temporary_ = temporary_name(target_, ending);
     constexpr int kEveryone = 0666;  // less what umask takes away
     descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kEveryone);
   }
@@ -83,6 +83,14 @@ void OutputFile::write(std::string_view bytes) {
     if (written < 0) fail(errno);
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
+}
+
+void OutputFile::check_room() {
+  constexpr std::size_t kRoom = 65536;
+  const off_t end = ::lseek(descriptor_, 0, SEEK_END);
+  if (end < 0) fail(errno);
+  write(std::string(kRoom, '\0'));
+  if (::ftruncate(descriptor_, end) != 0) fail(errno);
 }
 
 void OutputFile::commit() {

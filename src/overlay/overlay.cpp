@@ -2,26 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
 #include "brink/disparity.hpp"
+#include "overlay/marks.hpp"
 #include "overlay/writing.hpp"
 
 namespace brink {
 namespace {
-
-const cv::Scalar kGreen(0, 200, 0);
-const cv::Scalar kRed(0, 0, 255);
-const cv::Scalar kCyan(255, 255, 0);
-const cv::Scalar kMagenta(255, 0, 255);
-const cv::Scalar kGrey(160, 160, 160);
-const cv::Scalar kLightGrey(225, 225, 225);
-const cv::Scalar kWhite(255, 255, 255);
-const cv::Scalar kBlack(0, 0, 0);
 
 cv::Mat3b left_picture(const Frame& frame) {
   if (!frame.left_color.empty()) return frame.left_color.clone();
@@ -37,15 +31,8 @@ void tint(cv::Vec3b& pixel, const cv::Scalar& color, double share) {
 }
 
 void write_ground_state(cv::Mat3b& picture, const Detection& detection) {
-  const GroundEstimate& ground = detection.ground;
   const Pen pen(picture);
-  std::string text = "ground " + to_string(ground.state);
-  std::replace(text.begin(), text.end(), '_', ' ');
-  if (detection.status != FrameStatus::ok) text = to_string(detection.status) + ": " + detection.reason;
-  if (ground.plane) text += fmt::format(" {:.2f} m, {:.1f} deg", ground.pose.height_m, ground.pose.pitch_deg);
-  if (!ground.reason.empty()) text += ": " + ground.reason;
-  const double fitting = pen.text * (picture.cols - 4.0 * pen.line) / std::max(1, text_size(text, pen.text, pen.line).width);
-  write(picture, text, {0, 0}, std::min(pen.text, fitting), pen.line, kWhite);
+  write_fitting(picture, describe_ground(detection), {0, 0}, pen.text, pen.line, kWhite);
 }
 
 using Contours = std::vector<std::vector<cv::Point>>;
@@ -56,23 +43,26 @@ void outline(cv::Mat3b& picture, const Candidate& candidate, const cv::Scalar& c
 
 const cv::Scalar& color_of(CandidateType type) { return type == CandidateType::below_ground ? kCyan : kMagenta; }
 
-// The scale of disparities: a strip of the same colours, near on top, with the values at both ends.
-void draw_scale(cv::Mat3b& picture, float smallest, float greatest) {
-  constexpr int kSmallest = 80;  // px: below that there is no room for a scale
-  if (picture.cols < kSmallest || picture.rows < kSmallest) return;
-  const Pen pen(picture);
-  const cv::Rect strip(picture.cols - picture.cols / 20, picture.rows / 8, std::max(1, picture.cols / 40),
-                       picture.rows * 3 / 4);
-  cv::Mat1b levels(strip.size());
-  for (int v = 0; v < levels.rows; ++v) levels.row(v) = cv::saturate_cast<uchar>(255 - 255 * v / std::max(1, levels.rows - 1));
+// 256 colours, far first.
+cv::Mat3b disparity_colors() {
+  cv::Mat1b levels(256, 1);
+  std::iota(levels.begin(), levels.end(), uchar{0});
   cv::Mat3b colors;
   cv::applyColorMap(levels, colors, cv::COLORMAP_TURBO);
-  colors.copyTo(picture(strip));
-  cv::rectangle(picture, strip, kWhite, 1);
-  const int height = text_size("0 px", pen.text, pen.line).height;
-  write(picture, fmt::format("{:.0f} px", greatest), {picture.cols, strip.y - height - 2 * pen.line}, pen.text, pen.line,
-        kWhite);
-  write(picture, fmt::format("{:.0f} px", smallest), {picture.cols, strip.br().y + 2 * pen.line}, pen.text, pen.line, kWhite);
+  return colors;
+}
+
+// Beside the contour, at the right unless there is no room; in the middle of a wide one, whose sides are far away.
+void write_beside(cv::Mat3b& picture, Labels& labels, const Candidate& candidate, const std::string& text, double scale,
+                  int line, const cv::Scalar& color) {
+  if (candidate.contour.empty()) return;
+  const cv::Rect box = cv::boundingRect(candidate.contour);
+  const cv::Size size = text_size(text, scale, line);
+  const bool fits_right = box.br().x + 3 * line + size.width < picture.cols;
+  const bool is_wide = box.width > picture.cols / 4 && box.width > 2 * size.width;
+  int x = fits_right ? box.br().x + 3 * line : box.x - 3 * line - size.width;
+  if (is_wide) x = box.x + box.width / 2 - size.width / 2;
+  write(picture, text, labels.place({x, box.y + box.height / 2 - size.height / 2}, size), scale, line, color);
 }
 
 // The disparities that 1 % of the valid pixels lie below and above: single wild ones do not use up the colours.
@@ -118,7 +108,7 @@ cv::Mat3b draw_disparity(const cv::Mat1f& disparity) {
   disparity.convertTo(levels, CV_8U, scale, -scale * smallest);
   cv::applyColorMap(levels, picture, cv::COLORMAP_TURBO);
   picture.setTo(kBlack, disparity < 0.0F);
-  draw_scale(picture, smallest, greatest);
+  draw_color_scale(picture, disparity_colors(), fmt::format("{:.0f} px", smallest), fmt::format("{:.0f} px", greatest));
   return picture;
 }
 
@@ -147,15 +137,14 @@ cv::Mat3b draw_obstacles(const Frame& frame, const Detection& detection) {
   picture.forEach([&filled](cv::Vec3b& pixel, const int* at) {
     if (filled(at[0], at[1]) != 0) tint(pixel, kRed, 0.4);
   });
+  for (const NegativeObstacle& track : detection.tracks) outline(picture, track.candidate, kBlue, 1);
   for (const NegativeObstacle& obstacle : detection.obstacles) outline(picture, obstacle.candidate, kRed, pen.line);
+  Labels labels;
   for (const NegativeObstacle& obstacle : detection.obstacles) {
-    if (obstacle.candidate.contour.empty()) continue;
-    const cv::Rect box = cv::boundingRect(obstacle.candidate.contour);
-    const std::string text = fmt::format("{:.1f} m", obstacle.candidate.distance_m);
-    const cv::Size size = text_size(text, pen.text, pen.line);
-    const bool fits_right = box.br().x + 3 * pen.line + size.width < picture.cols;
-    const int x = fits_right ? box.br().x + 3 * pen.line : box.x - 3 * pen.line - size.width;
-    write(picture, text, {x, box.y + box.height / 2 - size.height / 2}, pen.text, pen.line, kWhite);
+    write_beside(picture, labels, obstacle.candidate, label_of(obstacle), pen.text, pen.line, kWhite);
+  }
+  for (const NegativeObstacle& track : detection.tracks) {
+    write_beside(picture, labels, track.candidate, label_of(track), 0.7 * pen.text, 1, kBlue);
   }
   write_ground_state(picture, detection);
   return picture;

@@ -181,6 +181,9 @@ TEST_F(BadInput, OutputThatCannotBeWritten) {
   expect_refusal(detect + "--out @none/out.jsonl", 1, "none/out.jsonl: cannot be written: No such file or directory");
   expect_refusal(detect + "--out @bad", 1, "bad: cannot be written: Is a directory");
   expect_refusal(detect + "--overlay @good.png", 1, "good.png: cannot be written: Not a directory");
+  expect_refusal(detect + "--overlay @none/walk.mp4", 1, "none/walk.mp4: cannot be written: No such file or directory");
+  expect_refusal(detect + "--overlay @walk.mov", 2, "walk.mov: a video must be named .mp4, .avi or .mkv");
+  expect_refusal(detect + "--out @none/out.jsonl --overlay @walk.mp4", 1, "none/out.jsonl: cannot be written");
   expect_refusal(detect + "--out @none/out.jsonl --overlay @pictures", 1, "none/out.jsonl: cannot be written");
   expect_refusal(disparity + "--out @none/out.png", 1, "none/out.png: cannot be written: No such file or directory");
 }

@@ -10,7 +10,9 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
 
+#include "brink/overlay.hpp"
 #include "brink/parameters.hpp"
 #include "test_data.hpp"
 
@@ -93,6 +95,20 @@ TEST(Detect, WritesDetectionsAndFourPicturesPerFrame) {
     }
   }
   EXPECT_EQ(folder.list(), expected);
+}
+
+TEST(Detect, WritesAVideoOfAllFramesWithTheFailedOnes) {
+  const TemporaryFolder folder;
+  add_sequence(folder);
+  (void)folder.add("walk/image_0/000001.png", "no picture");
+  const CommandResult result =
+      run_command("detect " + folder / "walk" + " --stills --out " + folder / "o.jsonl" + " --overlay " + folder / "walk.mp4");
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  cv::VideoCapture video(folder / "walk.mp4", cv::CAP_FFMPEG);
+  int frames = 0;
+  for (cv::Mat picture; video.read(picture); ++frames) EXPECT_EQ(picture.size(), cv::Size(kVideoWidth, kVideoHeight));
+  EXPECT_EQ(frames, 2);
+  EXPECT_NEAR(video.get(cv::CAP_PROP_FPS), 15.0, 0.1);
 }
 
 TEST(Detect, ValidatesNothingInASequenceWithoutEgoMotionAndSaysSo) {
