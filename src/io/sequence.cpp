@@ -135,6 +135,10 @@ FrameReading Sequence::read(int position) const {
     const cv::Mat right = read_picture(files.right);
     reading.frame = make_frame(left, right, camera_, files.index, files.time);
     reading.frame.gravity = estimate_gravity(imu_, files.time);
+    if (position > 0) {
+      reading.frame.current_from_previous_rotation =
+          integrate_gyroscope(imu_, files_[static_cast<std::size_t>(position) - 1].time, files.time);
+    }
   } catch (const std::invalid_argument& error) {
     reading.status = FrameStatus::bad_frame;
     reading.reason = fmt::format("{} and {}: {}", files.left, files.right, error.what());
