@@ -154,6 +154,11 @@ Attempt refine(const std::vector<Sighting>& sightings, const StereoCamera& camer
     attempt.fit = fit_motion(observations, camera, attempt.fit->current_from_previous, kTukeyCutoff * scale, offset_variance);
     if (!attempt.fit) return {std::nullopt, "the motion does not converge", attempt.matches, 0};
   }
+  if (scale > params.max_error_scale) {
+    return {std::nullopt,
+            fmt::format("the four pictures do not fit one scene: errors are {:.1f} times what is expected", scale),
+            attempt.matches, 0};
+  }
   attempt.fit->covariance *= scale * scale;
   attempt.inliers = static_cast<int>(
       find_inliers(observations, camera, attempt.fit->current_from_previous, params.inlier_sigmas * scale).size());
