@@ -24,7 +24,8 @@ struct Frame {
   StereoCamera camera;   ///< of both pictures
   /// Direction of gravity ("down"), unit length, left camera frame; empty when there is no IMU.
   std::optional<Eigen::Vector3d> gravity;
-  /// Turn of the left camera since the frame before, from a gyroscope; empty when there is none.
+  /// Rotation part of current_from_previous, from a gyroscope; previous = the frame with the index before this one. Empty when
+  /// there is none.
   std::optional<Eigen::Matrix3d> current_from_previous_rotation;
   /// Pose of the left camera in any fixed frame, from another system; where two frames in a row have one, it takes the place of
   /// the motion measured in the pictures. Empty when there is none.

@@ -79,12 +79,17 @@ std::vector<ImuSample> read_imu(const std::string& path);
 /// m/s^2.
 std::optional<Eigen::Vector3d> estimate_gravity(const std::vector<ImuSample>& samples, double time);
 
+/// How the left camera turned from one time to another, from the gyroscope: the rotation part of current_from_previous, which
+/// takes directions in the camera's axes at `from` to its axes at `to`. Rates are interpolated between readings.
+/// @param samples ascending in time. @return empty unless readings cover the whole time without a gap of 0.1 s or more.
+std::optional<Eigen::Matrix3d> integrate_gyroscope(const std::vector<ImuSample>& samples, double from, double to);
+
 /// Opens a folder in one of two layouts (docs/formats.md), told apart by what is in it.
 ///
 /// KITTI odometry: calib.txt, image_2 and image_3 or else image_0 and image_1 with pictures named by number, times.txt, and
-/// imu.csv, which gives each frame its gravity. Frames run from the smallest number to the greatest, over both eyes; a number
-/// without a picture is a frame of its own with status no_picture. Without times.txt the time of a frame is its number, or its
-/// number / fps.
+/// imu.csv, which gives each frame its gravity and its turn since the frame before. Frames run from the smallest number to the
+/// greatest, over both eyes; a number without a picture is a frame of its own with status no_picture. Without times.txt the
+/// time of a frame is its number, or its number / fps.
 ///
 /// EuRoC/ASL: mav0/cam0 and mav0/cam1 with data.csv and sensor.yaml, and mav0/imu0 if there is one. Pictures are rectified as
 /// they are read. Times are counted from the first frame.

@@ -31,6 +31,7 @@ constexpr double kLeastMatchDisparity = 0.5;  // px: less tells nothing about de
 
 /// What is kept of a frame: all that the next one is compared with.
 struct View {
+  int index = 0;
   double time = 0.0;
   StereoCamera camera;
   cv::Mat1b left;
@@ -40,7 +41,8 @@ struct View {
 };
 
 View make_view(const Frame& frame, const EgoMotionParams& params) {
-  return {frame.time,
+  return {frame.index,
+          frame.time,
           frame.camera,
           frame.left,
           frame.right,
@@ -152,6 +154,11 @@ Attempt refine(const std::vector<Sighting>& sightings, const StereoCamera& camer
     attempt.fit = fit_motion(observations, camera, attempt.fit->current_from_previous, kTukeyCutoff * scale, offset_variance);
     if (!attempt.fit) return {std::nullopt, "the motion does not converge", attempt.matches, 0};
   }
+  if (scale > params.max_error_scale) {
+    return {std::nullopt,
+            fmt::format("the four pictures do not fit one scene: errors are {:.1f} times what is expected", scale),
+            attempt.matches, 0};
+  }
   attempt.fit->covariance *= scale * scale;
   attempt.inliers = static_cast<int>(
       find_inliers(observations, camera, attempt.fit->current_from_previous, params.inlier_sigmas * scale).size());
@@ -189,15 +196,15 @@ double largest_sd(const Eigen::Matrix3d& covariance) {
 }
 
 /// Why a motion is not to be believed; empty when it is.
-std::string find_doubt(const MotionFit& fit, const Frame& frame, const EgoMotionParams& params) {
+std::string find_doubt(const MotionFit& fit, const std::optional<Eigen::Matrix3d>& gyroscope, const EgoMotionParams& params) {
   const double rotation_sd = largest_sd(fit.covariance.topLeftCorner<3, 3>()) / kDegree;
   const double translation_sd = largest_sd(fit.covariance.bottomRightCorner<3, 3>());
   if (!(rotation_sd <= params.max_rotation_sd_deg))
     return fmt::format("ambiguous: rotation known to {:.1f} degrees only", rotation_sd);
   if (!(translation_sd <= params.max_translation_sd_m))
     return fmt::format("ambiguous: translation known to {:.2f} m only", translation_sd);
-  if (frame.current_from_previous_rotation) {
-    const double off = angle_deg(fit.current_from_previous.linear().transpose() * *frame.current_from_previous_rotation);
+  if (gyroscope) {
+    const double off = angle_deg(fit.current_from_previous.linear().transpose() * *gyroscope);
     if (off > params.gyroscope_tolerance_deg) return fmt::format("implausible: {:.1f} degrees off the gyroscope", off);
   }
   return {};
@@ -212,20 +219,20 @@ struct EgoMotionEstimator::State {
   std::size_t newest_points = 0;  ///< of the newest keyframe, when it was made
   std::optional<View> previous;
   Matrix6d previous_place = Matrix6d::Zero();  ///< covariance of the last frame's place among the keyframes
-  double offset = 0.0;           ///< constant error of the columns of all right pictures, px
-  double offset_variance = 0.0;  ///< px^2
+  double offset = 0.0;                         ///< constant error of the columns of all right pictures, px
+  double offset_variance = 0.0;                ///< px^2
 
-  [[nodiscard]] Attempt measure(const Frame& frame, const View& current, double seconds);
-  [[nodiscard]] Attempt start(const Frame& frame, const View& current, double seconds) const;
+  [[nodiscard]] Attempt measure(const View& current, const std::optional<Eigen::Matrix3d>& gyroscope);
+  [[nodiscard]] Attempt start(const View& current, const std::optional<Eigen::Matrix3d>& gyroscope) const;
   void add_keyframe();
 };
 
 /// The rough motion: searched around the predicted one, then everywhere.
-Attempt EgoMotionEstimator::State::start(const Frame& frame, const View& current, double seconds) const {
-  auto predicted = seconds > 0.0 ? velocity.predict(seconds) : std::nullopt;
-  if (frame.current_from_previous_rotation) {
+Attempt EgoMotionEstimator::State::start(const View& current, const std::optional<Eigen::Matrix3d>& gyroscope) const {
+  std::optional<Eigen::Isometry3d> predicted = velocity.predict(current.time - previous->time);
+  if (gyroscope) {
     if (!predicted) predicted = Eigen::Isometry3d::Identity();
-    predicted->linear() = *frame.current_from_previous_rotation;
+    predicted->linear() = *gyroscope;
   }
   if (predicted) {
     Attempt attempt = estimate_roughly(*previous, current, *predicted, params.search_deg, params);
@@ -244,12 +251,12 @@ void EgoMotionEstimator::State::add_keyframe() {
   newest_points = keyframes.back().points.size();
 }
 
-Attempt EgoMotionEstimator::State::measure(const Frame& frame, const View& current, double seconds) {
+Attempt EgoMotionEstimator::State::measure(const View& current, const std::optional<Eigen::Matrix3d>& gyroscope) {
   const std::string fault = find_fault(*previous, current, params);
   if (!fault.empty()) return {std::nullopt, fault, 0, 0};
 
   // Features, circular matching, outlier removal, bucketing, RANSAC.
-  const Attempt rough = start(frame, current, seconds);
+  const Attempt rough = start(current, gyroscope);
   if (!rough.fit) return rough;
 
   // Sub-pixel refinement against keyframes, Gauss-Newton with weights by expected noise.
@@ -261,7 +268,7 @@ Attempt EgoMotionEstimator::State::measure(const Frame& frame, const View& curre
   if (!fine.fit) return fine;
   const Matrix6d place = to_place(*fine.fit);
   fine.fit->covariance = with_previous(*fine.fit, previous_place);
-  fine.reason = find_doubt(*fine.fit, frame, params);
+  fine.reason = find_doubt(*fine.fit, gyroscope, params);
   if (!fine.reason.empty()) {
     fine.fit.reset();
     return fine;
@@ -275,8 +282,14 @@ Attempt EgoMotionEstimator::State::measure(const Frame& frame, const View& curre
 
 EgoMotionEstimator::EgoMotionEstimator(const EgoMotionParams& params) {
   params.validate();
-  state_ = std::make_unique<State>(State{
-      params, VelocityFilter(params), {}, 0, std::nullopt, Matrix6d::Zero(), 0.0, params.disparity_offset_sd_px * params.disparity_offset_sd_px});
+  state_ = std::make_unique<State>(State{params,
+                                         VelocityFilter(params),
+                                         {},
+                                         0,
+                                         std::nullopt,
+                                         Matrix6d::Zero(),
+                                         0.0,
+                                         params.disparity_offset_sd_px * params.disparity_offset_sd_px});
 }
 EgoMotionEstimator::~EgoMotionEstimator() = default;
 EgoMotionEstimator::EgoMotionEstimator(EgoMotionEstimator&&) noexcept = default;
@@ -291,7 +304,8 @@ EgoMotionEstimate EgoMotionEstimator::estimate(const Frame& frame) {
     return {std::nullopt, "first frame", std::nullopt, 0, 0};
   }
   const double seconds = current.time - state.previous->time;
-  const Attempt attempt = state.measure(frame, current, seconds);
+  const bool follows = current.index == state.previous->index + 1;  // else the gyroscope tells of another pair of frames
+  const Attempt attempt = state.measure(current, follows ? frame.current_from_previous_rotation : std::nullopt);
   state.previous = std::move(current);
   EgoMotionEstimate estimate{std::nullopt, attempt.reason, std::nullopt, attempt.matches, attempt.inliers};
   if (!attempt.fit) {

@@ -52,7 +52,7 @@ void VelocityFilter::update(const Eigen::Isometry3d& current_from_previous, cons
 }
 
 std::optional<Eigen::Isometry3d> VelocityFilter::predict(double seconds) const {
-  if (!known_) return std::nullopt;
+  if (!known_ || !(seconds > 0.0)) return std::nullopt;
   return to_motion((velocity_ + seconds * acceleration_) * seconds);
 }
 

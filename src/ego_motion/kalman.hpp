@@ -22,7 +22,7 @@ class VelocityFilter {
   /// Forgets everything: after a failure the past tells nothing.
   void reset() { known_ = false; }
 
-  /// The motion to expect over the next seconds; empty before the first measurement.
+  /// The motion to expect over the next seconds; empty before the first measurement, and unless seconds > 0.
   [[nodiscard]] std::optional<Eigen::Isometry3d> predict(double seconds) const;
   /// Smoothed velocity: turn in rad/s, then translation in m/s, of the scene in the camera's frame.
   [[nodiscard]] const Vector6d& velocity() const { return velocity_; }

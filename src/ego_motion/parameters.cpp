@@ -38,6 +38,7 @@ void EgoMotionParams::validate() const {
   between("keyframe_overlap", keyframe_overlap, 0.0, 1.0);
   between("slope_radius_px", slope_radius_px, 1.0, 10000.0);
   between("disparity_offset_sd_px", disparity_offset_sd_px, 0.0, 10.0);
+  between("max_error_scale", max_error_scale, 0.1, 1000.0);
   between("max_translation_sd_m", max_translation_sd_m, 1e-6, 1000.0);
   between("max_rotation_sd_deg", max_rotation_sd_deg, 1e-6, 180.0);
   between("gyroscope_tolerance_deg", gyroscope_tolerance_deg, 0.0, 180.0);

@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kGravityWindow = 1.0;  // s: two steps, over which the accelerations of a walk cancel
 constexpr std::size_t kFewestSamples = 20;
+constexpr double kLongestGap = 0.1;        // s: a head turns by up to 10 degrees in this time
 constexpr double kGravityTolerance = 1.5;  // m/s^2 that the mean may differ from gravity before it is not believed
 
 /// t,gx,gy,gz,ax,ay,az; empty when the line is not seven numbers.
@@ -31,6 +32,12 @@ std::optional<ImuSample> parse_sample(const std::string& line) {
   }
   if (count != values.size()) return std::nullopt;
   return ImuSample{values[0], {values[1], values[2], values[3]}, {values[4], values[5], values[6]}};
+}
+
+/// The angular rate at a time between two readings.
+Eigen::Vector3d rate_at(const ImuSample& before, const ImuSample& after, double time) {
+  const double share = (time - before.time) / (after.time - before.time);
+  return (1.0 - share) * before.angular_rate + share * after.angular_rate;
 }
 
 }  // namespace
@@ -74,6 +81,22 @@ std::optional<Eigen::Vector3d> estimate_gravity(const std::vector<ImuSample>& sa
   const Eigen::Vector3d mean = sum / static_cast<double>(last - first);
   if (std::abs(mean.norm() - kGravity) > kGravityTolerance) return std::nullopt;
   return -mean.normalized();
+}
+
+std::optional<Eigen::Matrix3d> integrate_gyroscope(const std::vector<ImuSample>& samples, double from, double to) {
+  if (!(from < to) || samples.empty() || samples.front().time > from || samples.back().time < to) return std::nullopt;
+  Eigen::Matrix3d current_from_previous = Eigen::Matrix3d::Identity();
+  auto after = std::ranges::upper_bound(samples, from, {}, &ImuSample::time);
+  for (double time = from; time < to; ++after) {
+    const ImuSample& before = *(after - 1);
+    if (after == samples.end() || after->time - before.time >= kLongestGap) return std::nullopt;
+    const double until = std::min(after->time, to);
+    const Eigen::Vector3d turn = rate_at(before, *after, 0.5 * (time + until)) * (until - time);
+    // The camera turns by `turn`, so what stands still turns the other way in its axes.
+    current_from_previous = Eigen::AngleAxisd(-turn.norm(), turn.stableNormalized()) * current_from_previous;
+    time = until;
+  }
+  return current_from_previous;
 }
 
 }  // namespace brink

@@ -149,6 +149,8 @@ std::vector<ParameterEntry> ego_motion_table(EgoMotionParams& p) {
       {"ego_motion.slope_radius_px", &p.slope_radius_px, "px", "a surface's slope is fitted to points this near"},
       {"ego_motion.disparity_offset_sd_px", &p.disparity_offset_sd_px, "px",
        "constant error of disparities that rectification may leave, estimated; 0 = none"},
+      {"ego_motion.max_error_scale", &p.max_error_scale, "",
+       "errors larger than expected by this factor give no motion: eyes out of step"},
       {"ego_motion.max_translation_sd_m", &p.max_translation_sd_m, "m",
        "a motion known worse than this is none, standard deviation in any direction"},
       {"ego_motion.max_rotation_sd_deg", &p.max_rotation_sd_deg, "degrees", "likewise"},

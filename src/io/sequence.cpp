@@ -94,6 +94,10 @@ FrameReading Sequence::read(int position) const {
     name = pair.name;
     reading.frame = make_frame(pair.left, pair.right, camera_, stamp.index, stamp.time);
     reading.frame.gravity = estimate_gravity(imu_, stamp.time);
+    if (position > 0) {
+      const double last_time = stamps_[static_cast<std::size_t>(position) - 1].time;
+      reading.frame.current_from_previous_rotation = integrate_gyroscope(imu_, last_time, stamp.time);
+    }
   } catch (const NoPicture& error) {
     reading.status = FrameStatus::no_picture;
     reading.reason = error.what();

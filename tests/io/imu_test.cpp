@@ -67,6 +67,45 @@ TEST(EstimateGravity, IsEmptyWhenItCannotBeKnown) {
   EXPECT_FALSE(estimate_gravity(falling, 1.0));
 }
 
+TEST(IntegrateGyroscope, TellsHowDirectionsTurnInTheCamera) {
+  constexpr double kRate = 40.0;
+  const auto samples = pitching_head(kRate, 1.5);
+  // Neither time is that of a reading.
+  const auto turn = integrate_gyroscope(samples, 0.2513, 0.7541);
+  ASSERT_TRUE(turn);
+  const Eigen::AngleAxisd angle(*turn);
+  EXPECT_NEAR(angle.angle() * 180.0 / std::numbers::pi, kRate * (0.7541 - 0.2513), 1e-6);
+  // What lies straight ahead goes up in the picture when the head pitches down.
+  EXPECT_LT((*turn * Eigen::Vector3d::UnitZ()).y(), -0.3);
+  // It is the turn that takes gravity from the camera's axes then to its axes now.
+  const auto before = estimate_gravity(samples, 1.1);
+  const auto after = estimate_gravity(samples, 1.4);
+  ASSERT_TRUE(before && after);
+  EXPECT_TRUE((*integrate_gyroscope(samples, 1.1, 1.4) * *before).isApprox(*after, 1e-3));
+}
+
+TEST(IntegrateGyroscope, IsEmptyUnlessReadingsCoverTheTime) {
+  auto samples = pitching_head(10.0, 1.0);
+  EXPECT_FALSE(integrate_gyroscope({}, 0.0, 1.0));
+  EXPECT_FALSE(integrate_gyroscope(samples, -0.1, 0.5));
+  EXPECT_FALSE(integrate_gyroscope(samples, 0.5, 1.1));
+  EXPECT_FALSE(integrate_gyroscope(samples, 0.5, 0.5));
+  EXPECT_TRUE(integrate_gyroscope(samples, 0.0, 0.995));
+  samples.erase(samples.begin() + 40, samples.begin() + 70);
+  EXPECT_FALSE(integrate_gyroscope(samples, 0.1, 0.9)) << "a gap of 0.15 s";
+  EXPECT_TRUE(integrate_gyroscope(samples, 0.4, 0.9));
+}
+
+TEST(OpenSequence, GivesFramesTheTurnOfTheirGyroscope) {
+  const test::TemporaryFolder folder;
+  const std::string picture = folder.add("picture.png", encode_png(cv::Mat1b(40, 48, uchar{9})));
+  const auto samples = pitching_head(20.0, 1.0);
+  const Sequence sequence({700.0, 24.0, 20.0, 0.5}, {{0, 0.1, picture, picture}, {1, 0.2, picture, picture}}, samples);
+  EXPECT_FALSE(sequence.read(0).frame.current_from_previous_rotation);
+  ASSERT_TRUE(sequence.read(1).frame.current_from_previous_rotation);
+  EXPECT_TRUE(sequence.read(1).frame.current_from_previous_rotation->isApprox(*integrate_gyroscope(samples, 0.1, 0.2)));
+}
+
 TEST(OpenSequence, GivesFramesTheGravityOfTheirImu) {
   const test::TemporaryFolder folder;
   const std::string picture = folder.add("picture.png", encode_png(cv::Mat1b(40, 48, uchar{9})));
