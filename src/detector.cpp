@@ -36,6 +36,7 @@ DetectorParams DetectorParams::paper() {
   DetectorParams params;
   params.disparity.elas = ElasParams::paper();
   params.candidates = CandidateParams::paper();
+  params.tracking = TrackingParams::paper();
   return params;
 }
 

@@ -18,9 +18,14 @@ std::string json_without_times(Detection detection) {
   return to_json_line(detection);
 }
 
+DetectorParams stills(DetectorParams params = {}) {
+  params.stills = true;
+  return params;
+}
+
 TEST(Detector, FindsTheGroundOfARolledCameraInPictures) {
   const StereoCamera camera = test::half_size_camera();
-  Detector detector;
+  Detector detector(stills());
   for (const double roll : {0.0, 10.0, -10.0}) {
     SCOPED_TRACE(roll);
     const Frame frame = test::make_ground_frame(camera, test::half_size(), make_ground_plane(1.6, 30.0, roll, camera));
@@ -38,7 +43,7 @@ TEST(Detector, FindsTheGroundOfARolledCameraInPictures) {
 
 TEST(Detector, PicturesWithoutGroundSaySo) {
   const StereoCamera camera = test::half_size_camera();
-  Detector detector;
+  Detector detector(stills());
   for (const int grey : {0, 128, 255}) {
     const cv::Mat1b picture(test::half_size(), static_cast<uchar>(grey));
     const Detection detection = detector.process(make_frame(picture, picture, camera));
@@ -100,7 +105,7 @@ TEST(Detector, ObstaclesFartherThanTheReportRangeStayTracks) {
 
 TEST(Detector, IsTheSameForAnyNumberOfThreadsAndFromRunToRun) {
   const Frame frame = make_hole_frame();
-  for (const DetectorParams& params : {DetectorParams::brink(), DetectorParams::paper()}) {
+  for (const DetectorParams& params : {stills(DetectorParams::brink()), stills(DetectorParams::paper())}) {
     Detector detector(params);
     const Detection first = detector.process(frame);
     EXPECT_EQ(json_without_times(first), json_without_times(detector.process(frame))) << "second run";
@@ -111,6 +116,60 @@ TEST(Detector, IsTheSameForAnyNumberOfThreadsAndFromRunToRun) {
       EXPECT_EQ(cv::norm(first.disparity, again.disparity, cv::NORM_INF), 0.0) << threads << " threads";
     }
   }
+}
+
+/// Frame number `index` of a walk at 15 frames per second, the camera's pose being known.
+Frame at_pose(const Frame& frame, int index, const Eigen::Isometry3d& world_from_camera) {
+  Frame copy = frame;
+  copy.index = index;
+  copy.time = index / 15.0;
+  copy.world_from_camera = world_from_camera;
+  return copy;
+}
+
+const Eigen::Isometry3d kRest = Eigen::Isometry3d::Identity();
+
+TEST(Detector, ValidatesAHoleAtItsFifthSighting) {
+  const Frame frame = make_hole_frame();
+  Detector detector;
+  for (int i = 0; i < 6; ++i) {
+    const Detection detection = detector.process(at_pose(frame, i, kRest));
+    EXPECT_EQ(detection.ego_motion_state, i == 0 ? EgoMotionState::failed : EgoMotionState::given);
+    ASSERT_EQ(detection.obstacles.size(), i < 4 ? 0U : 1U) << i;
+    ASSERT_EQ(detection.tracks.size(), i < 4 ? 1U : 0U) << i;
+    const NegativeObstacle& hole = i < 4 ? detection.tracks[0] : detection.obstacles[0];
+    EXPECT_EQ(hole.id, 1);
+    EXPECT_EQ(hole.track_length, i + 1);
+  }
+}
+
+// The pictures stay the same while the poses say that the camera walks on: that cannot be the same hole.
+TEST(Detector, DoesNotFollowWhatContradictsTheMotion) {
+  const Frame frame = make_hole_frame();
+  Detector detector;
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Isometry3d walked(Eigen::Translation3d(0.0, 0.0, 0.6 * i));
+    EXPECT_TRUE(detector.process(at_pose(frame, i, walked)).obstacles.empty()) << i;
+  }
+}
+
+TEST(Detector, StartsAnewAfterAFrameThatFailed) {
+  const Frame frame = make_hole_frame();
+  Detector detector;
+  for (int i = 0; i < 5; ++i) (void)detector.process(at_pose(frame, i, kRest));
+  const Detection failed = detector.process_failed(5, 5 / 15.0, FrameStatus::bad_frame, "x.png: is damaged");
+  EXPECT_TRUE(failed.obstacles.empty());
+  EXPECT_EQ(failed.ground.state, GroundState::not_visible);
+  const Detection next = detector.process(at_pose(frame, 6, kRest));
+  ASSERT_EQ(next.tracks.size(), 1U);
+  EXPECT_EQ(next.tracks[0].track_length, 1);
+}
+
+TEST(Detector, RefusesFramesOutOfOrder) {
+  const Frame frame = make_hole_frame();
+  Detector detector;
+  (void)detector.process(at_pose(frame, 1, kRest));
+  EXPECT_THROW((void)detector.process(at_pose(frame, 0, kRest)), std::invalid_argument);
 }
 
 TEST(Detector, PaperMethodUsesWholeDisparitiesAndNoRulesOfOurs) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -10,17 +12,20 @@
 namespace brink {
 
 struct TrackingParams {
-  double association_radius_m = 0.5;  ///< a centroid is the same candidate's as one that was this near a frame ago
-  double validation_s = 1.0 / 3.0;    ///< a candidate is validated when it was seen in a row for this long: 5 frames at 15 fps
+  double association_radius_m = 0.5;  ///< a candidate is the same as one whose place was this near a frame ago
+  bool associate_rims = true;         ///< places are compared by the nearest point of the rim, too, not by the centroid only
+  double max_unseen_s = 0.2;          ///< a track that is not seen lives on for this long; 0 = it ends with the first frame
+  double validation_s = 1.0 / 3.0;    ///< a candidate is validated when it was seen for this long: 5 frames at 15 fps
   int min_sightings = 3;              ///< ... but never before it was seen so often
+  static TrackingParams paper();      ///< without what brink adds: associate_rims false, max_unseen_s 0
   void validate() const;              ///< @throws std::invalid_argument "tracking.name = value, must be ..."
 };
 
 /// A candidate that is followed from frame to frame.
 struct Track {
   int id = 0;           ///< unique in its run
-  Candidate candidate;  ///< as the last frame shows it
-  int length = 1;       ///< sightings in a row, this frame's included
+  Candidate candidate;  ///< as this frame shows it
+  int length = 1;       ///< sightings, this frame's included; in a row but for gaps of max_unseen_s
   bool validated = false;
 };
 
@@ -30,9 +35,9 @@ class Tracker {
   /// @throws std::invalid_argument when the parameters are not valid.
   explicit Tracker(const TrackingParams& params = {});
 
-  /// The tracks of this frame, one for each candidate, in their order. The centroids of the last frame's tracks are moved by
-  /// the camera's motion; each candidate goes on with the nearest one within association_radius_m, whatever its type. Several
-  /// may go on with one, as regions split: the nearest keeps its id. What no candidate goes on with ends.
+  /// The tracks of this frame, one for each candidate, in their order. What the last frames' tracks remember is moved by the
+  /// camera's motion; each candidate goes on with the nearest one within association_radius_m, whatever its type. Several may
+  /// go on with one, as regions split: the nearest keeps its id.
   /// @param current_from_previous left camera frames of the last call and of this one; empty when the motion is not known: then
   ///        all tracks end, and every candidate begins anew.
   /// @param time s. The frame rate follows from the times of the last calls: at f frames per second max(min_sightings,
@@ -41,15 +46,26 @@ class Tracker {
   std::vector<Track> update(const std::vector<Candidate>& candidates,
                             const std::optional<Eigen::Isometry3d>& current_from_previous, double time);
 
-  /// A frame that could not be processed: all tracks end. @throws std::invalid_argument as update does.
+  /// A frame that could not be processed, so that the motion over it is not known either: all tracks end.
+  /// @throws std::invalid_argument as update does.
   void miss(double time);
 
  private:
   void note_time(double time);
+  void remember(const std::vector<Track>& tracks, const std::map<std::size_t, std::size_t>& heirs, double time);
   [[nodiscard]] int required_sightings() const;
 
+  /// What a track is known by in the next frame, in the left camera frame of the last one, m.
+  struct Memory {
+    int id = 0;
+    int length = 0;
+    Eigen::Vector3d centroid;
+    Eigen::Vector3d rim;
+    double seen = 0.0;  ///< s, last time
+  };
+
   TrackingParams params_;
-  std::vector<Track> previous_;
+  std::vector<Memory> memories_;
   std::vector<double> steps_;  // s, between the last calls
   std::optional<double> time_;
   int last_id_ = 0;

@@ -234,7 +234,7 @@ void read_ego_motion(const Node& node, Detection& detection) {
   detection.ego_motion.matches = read_count(node, "matches");
   detection.ego_motion.inliers = read_count(node, "inliers");
   if (!node.object.contains("current_from_previous")) return;
-  detection.ego_motion.motion = EgoMotion{.current_from_previous = read_motion(node), .covariance = {}};
+  detection.ego_motion.motion = EgoMotion{.current_from_previous = read_motion(node)};
 }
 
 Json parse_object(const std::string& line) {

@@ -164,7 +164,9 @@ std::vector<ParameterEntry> ego_motion_table(EgoMotionParams& p) {
 std::vector<ParameterEntry> tracking_table(TrackingParams& p) {
   return {
       {"tracking.association_radius_m", &p.association_radius_m, "m",
-       "a centroid is the same candidate's as one that was this near a frame ago"},
+       "a candidate is the same as one whose place was this near a frame ago"},
+      {"tracking.associate_rims", &p.associate_rims, "", "compare places by the nearest point of the rim, too"},
+      {"tracking.max_unseen_s", &p.max_unseen_s, "s", "a track that is not seen lives on for this long"},
       {"tracking.validation_s", &p.validation_s, "s", "a candidate is validated when it was seen in a row for this long"},
       {"tracking.min_sightings", &p.min_sightings, "", "but never before it was seen so often"},
   };

@@ -12,21 +12,11 @@ namespace {
 
 constexpr std::size_t kRememberedSteps = 15;  // enough for a median that single late frames do not move
 
-/// A candidate of this frame going on with a track of the last one.
+/// A candidate of this frame going on with a track.
 struct Link {
   std::size_t track = 0;
   double distance_m = 0.0;
 };
-
-// The nearest centroid within the radius; of equally near ones the first.
-std::optional<Link> find_nearest(const Eigen::Vector3d& centroid, const std::vector<Eigen::Vector3d>& moved, double radius_m) {
-  std::optional<Link> nearest;
-  for (std::size_t i = 0; i < moved.size(); ++i) {
-    const double distance = (centroid - moved[i]).norm();
-    if (distance <= radius_m && (!nearest || distance < nearest->distance_m)) nearest = Link{i, distance};
-  }
-  return nearest;
-}
 
 // For each track the candidate that keeps its id: the nearest of those that go on with it.
 std::map<std::size_t, std::size_t> find_heirs(const std::vector<std::optional<Link>>& links) {
@@ -41,12 +31,20 @@ std::map<std::size_t, std::size_t> find_heirs(const std::vector<std::optional<Li
 
 }  // namespace
 
+TrackingParams TrackingParams::paper() {
+  TrackingParams params;
+  params.associate_rims = false;
+  params.max_unseen_s = 0.0;
+  return params;
+}
+
 void TrackingParams::validate() const {
   const auto check = [](const char* name, double value, double least, double most) {
     if (value >= least && value <= most) return;
     throw std::invalid_argument(fmt::format("tracking.{} = {}, must be {} to {}", name, value, least, most));
   };
   check("association_radius_m", association_radius_m, 0.0, 100.0);
+  check("max_unseen_s", max_unseen_s, 0.0, 60.0);
   check("validation_s", validation_s, 0.0, 60.0);
   check("min_sightings", min_sightings, 1, 1000);
 }
@@ -56,32 +54,57 @@ Tracker::Tracker(const TrackingParams& params) : params_(params) { params.valida
 std::vector<Track> Tracker::update(const std::vector<Candidate>& candidates,
                                    const std::optional<Eigen::Isometry3d>& current_from_previous, double time) {
   note_time(time);
-  std::vector<Eigen::Vector3d> moved;  // the last frame's centroids, seen from here
-  if (current_from_previous) {
-    for (const Track& track : previous_) moved.push_back(*current_from_previous * track.candidate.centroid);
+  if (!current_from_previous) memories_.clear();
+  for (Memory& memory : memories_) {
+    memory.centroid = *current_from_previous * memory.centroid;
+    memory.rim = *current_from_previous * memory.rim;
   }
+
+  // The nearest within the radius; of equally near ones the first.
+  const auto find_nearest = [this](const Candidate& candidate) {
+    std::optional<Link> nearest;
+    for (std::size_t i = 0; i < memories_.size(); ++i) {
+      double distance = (candidate.centroid - memories_[i].centroid).norm();
+      if (params_.associate_rims) distance = std::min(distance, (candidate.rim_nearest - memories_[i].rim).norm());
+      if (distance <= params_.association_radius_m && (!nearest || distance < nearest->distance_m)) nearest = Link{i, distance};
+    }
+    return nearest;
+  };
   std::vector<std::optional<Link>> links;
-  for (const Candidate& candidate : candidates) {
-    links.push_back(find_nearest(candidate.centroid, moved, params_.association_radius_m));
-  }
+  links.reserve(candidates.size());
+  for (const Candidate& candidate : candidates) links.push_back(find_nearest(candidate));
   const std::map<std::size_t, std::size_t> heirs = find_heirs(links);
 
   std::vector<Track> tracks;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     Track track{.id = 0, .candidate = candidates[i], .length = 1, .validated = false};
-    if (links[i]) track.length = previous_[links[i]->track].length + 1;
+    if (links[i]) track.length = memories_[links[i]->track].length + 1;
     const bool keeps_id = links[i] && heirs.at(links[i]->track) == i;
-    track.id = keeps_id ? previous_[links[i]->track].id : ++last_id_;
+    track.id = keeps_id ? memories_[links[i]->track].id : ++last_id_;
     track.validated = track.length >= required_sightings();
     tracks.push_back(std::move(track));
   }
-  previous_ = tracks;
+  remember(tracks, heirs, time);
   return tracks;
 }
 
 void Tracker::miss(double time) {
   note_time(time);
-  previous_.clear();
+  memories_.clear();
+}
+
+// This frame's tracks, and those of earlier frames that no candidate went on with, while they are not too old.
+void Tracker::remember(const std::vector<Track>& tracks, const std::map<std::size_t, std::size_t>& heirs, double time) {
+  constexpr double kTolerance = 1e-9;  // s
+  std::vector<Memory> memories;
+  for (const Track& track : tracks) {
+    memories.push_back({track.id, track.length, track.candidate.centroid, track.candidate.rim_nearest, time});
+  }
+  for (std::size_t i = 0; i < memories_.size(); ++i) {
+    const bool young = time - memories_[i].seen <= params_.max_unseen_s + kTolerance;
+    if (!heirs.contains(i) && young) memories.push_back(memories_[i]);
+  }
+  memories_ = std::move(memories);
 }
 
 void Tracker::note_time(double time) {

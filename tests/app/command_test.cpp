@@ -111,7 +111,7 @@ TEST(Detect, WritesAVideoOfAllFramesWithTheFailedOnes) {
   EXPECT_NEAR(video.get(cv::CAP_PROP_FPS), 15.0, 0.1);
 }
 
-TEST(Detect, ValidatesNothingInASequenceWithoutEgoMotionAndSaysSo) {
+TEST(Detect, ValidatesNothingInTwoFrames) {
   const TemporaryFolder folder;
   add_sequence(folder);
   const CommandResult result = run_command("detect " + folder / "walk");
@@ -119,8 +119,9 @@ TEST(Detect, ValidatesNothingInASequenceWithoutEgoMotionAndSaysSo) {
   const Json detection = detections_of(result.output).at(0);
   EXPECT_TRUE(detection["obstacles"].empty());
   EXPECT_EQ(detection["tracks"].size(), 1U);
-  ASSERT_EQ(lines_of(result.errors).size(), 2U);
-  EXPECT_NE(result.errors.find("no ego-motion, so nothing is validated"), std::string::npos) << result.errors;
+  EXPECT_EQ(detection["ego_motion"]["state"], "failed");
+  EXPECT_EQ(detection["ego_motion"]["reason"], "first frame");
+  EXPECT_EQ(lines_of(result.errors).size(), 1U) << result.errors;
 }
 
 TEST(Detect, TellsABadFrameAndGoesOn) {

@@ -16,6 +16,7 @@ Candidate at(double x, double z, CandidateType type = CandidateType::below_groun
   Candidate candidate;
   candidate.type = type;
   candidate.centroid = {x, 1.6, z};
+  candidate.rim_nearest = candidate.centroid;
   return candidate;
 }
 
@@ -32,7 +33,7 @@ std::vector<Track> follow(Tracker& tracker, int frames, double step_s) {
 }
 
 TEST(Tracker, ValidatesAtTheFifthSightingAt15FramesPerSecond) {
-  Tracker tracker;
+  Tracker tracker(TrackingParams::paper());
   for (int i = 0; i < 7; ++i) {
     const std::vector<Track> tracks = tracker.update({at(0.0, 3.0)}, kRest, i * kStep);
     ASSERT_EQ(tracks.size(), 1U);
@@ -45,15 +46,15 @@ TEST(Tracker, ValidatesAtTheFifthSightingAt15FramesPerSecond) {
 // max(3, round(fps / 3)): 30 fps 10, 20 fps 7, 10 fps 3, 7.8 fps 3, 2 fps 3.
 TEST(Tracker, NeedsSightingsInProportionToTheFrameRate) {
   for (const auto& [fps, sightings] : {std::pair{30.0, 10}, {20.0, 7}, {10.0, 3}, {7.8, 3}, {2.0, 3}}) {
-    Tracker before;
+    Tracker before(TrackingParams::paper());
     EXPECT_FALSE(follow(before, sightings - 1, 1.0 / fps)[0].validated) << fps;
-    Tracker there;
+    Tracker there(TrackingParams::paper());
     EXPECT_TRUE(follow(there, sightings, 1.0 / fps)[0].validated) << fps;
   }
 }
 
 TEST(Tracker, MovesCentroidsByTheMotionOfTheCamera) {
-  Tracker tracker;
+  Tracker tracker(TrackingParams::paper());
   (void)tracker.update({at(0.0, 5.0)}, std::nullopt, 0.0);
   // 1.2 m nearer: far outside of the radius unless the motion is applied.
   EXPECT_EQ(tracker.update({at(0.0, 3.8)}, step_of(1.2), 0.1)[0].length, 2);
@@ -61,7 +62,7 @@ TEST(Tracker, MovesCentroidsByTheMotionOfTheCamera) {
 }
 
 TEST(Tracker, TurnsCentroidsWithTheCamera) {
-  Tracker tracker;
+  Tracker tracker(TrackingParams::paper());
   (void)tracker.update({at(0.0, 3.0)}, std::nullopt, 0.0);
   // A turn by 90 degrees to the right: what was ahead is now to the left.
   const Eigen::Isometry3d turned(Eigen::AngleAxisd(-std::numbers::pi / 2.0, Eigen::Vector3d::UnitY()));
@@ -69,7 +70,7 @@ TEST(Tracker, TurnsCentroidsWithTheCamera) {
 }
 
 TEST(Tracker, TakesTheNearestWithinHalfAMetre) {
-  Tracker tracker;
+  Tracker tracker(TrackingParams::paper());
   (void)tracker.update({at(0.0, 3.0), at(0.9, 3.0)}, kRest, 0.0);
   const std::vector<Track> tracks = tracker.update({at(0.5, 3.0), at(0.0, 3.51)}, kRest, 0.1);
   EXPECT_EQ(tracks[0].id, 2);  // 0.4 m from the second, 0.5 m from the first
@@ -78,7 +79,7 @@ TEST(Tracker, TakesTheNearestWithinHalfAMetre) {
 }
 
 TEST(Tracker, DoesNotDistinguishTypes) {
-  Tracker tracker;
+  Tracker tracker(TrackingParams::paper());
   (void)tracker.update({at(0.0, 3.0)}, kRest, 0.0);
   const Track track = tracker.update({at(0.1, 3.0, CandidateType::no_disparity)}, kRest, 0.1)[0];
   EXPECT_EQ(track.length, 2);
@@ -86,7 +87,7 @@ TEST(Tracker, DoesNotDistinguishTypes) {
 }
 
 TEST(Tracker, LetsAllPartsOfASplitRegionInherit) {
-  Tracker tracker;
+  Tracker tracker(TrackingParams::paper());
   (void)tracker.update({at(0.0, 3.0)}, kRest, 0.0);
   const std::vector<Track> tracks = tracker.update({at(-0.3, 3.0), at(0.2, 3.0)}, kRest, 0.1);
   EXPECT_EQ(tracks[0].length, 2);
@@ -96,7 +97,7 @@ TEST(Tracker, LetsAllPartsOfASplitRegionInherit) {
 }
 
 TEST(Tracker, EndsATrackThatIsMissedInOneFrame) {
-  Tracker tracker;
+  Tracker tracker(TrackingParams::paper());
   (void)follow(tracker, 5, kStep);
   EXPECT_TRUE(tracker.update({}, kRest, 5 * kStep).empty());
   const Track again = tracker.update({at(0.0, 3.0)}, kRest, 6 * kStep)[0];
@@ -105,26 +106,50 @@ TEST(Tracker, EndsATrackThatIsMissedInOneFrame) {
 }
 
 TEST(Tracker, EndsAllTracksWhenTheMotionIsNotKnown) {
-  Tracker tracker;
+  Tracker tracker(TrackingParams::paper());
   (void)follow(tracker, 5, kStep);
   EXPECT_EQ(tracker.update({at(0.0, 3.0)}, std::nullopt, 5 * kStep)[0].length, 1);
 }
 
 TEST(Tracker, EndsAllTracksWithAFrameThatCouldNotBeProcessed) {
-  Tracker tracker;
+  Tracker tracker(TrackingParams::paper());
   (void)follow(tracker, 5, kStep);
   tracker.miss(5 * kStep);
   EXPECT_EQ(tracker.update({at(0.0, 3.0)}, kRest, 6 * kStep)[0].length, 1);
 }
 
-TEST(Tracker, KeepsTheRateWhenOneFrameIsLate) {
+// At 15 frames per second the third missed frame is 0.2 s after the last sighting: max_unseen_s = 0.2 bridges three, not four.
+TEST(Tracker, BridgesShortGapsUnlessToldNotTo) {
+  for (const int missed : {1, 3, 4}) {
+    Tracker tracker;
+    (void)follow(tracker, 5, kStep);
+    for (int i = 0; i < missed; ++i) EXPECT_TRUE(tracker.update({}, step_of(0.1), (5 + i) * kStep).empty());
+    const Track again = tracker.update({at(0.0, 3.0 - 0.1 * missed)}, kRest, (5 + missed) * kStep)[0];
+    EXPECT_EQ(again.length, missed <= 3 ? 6 : 1) << missed;
+    EXPECT_EQ(again.id == 1, missed <= 3) << missed;
+  }
+}
+
+TEST(Tracker, FollowsARegionThatGrowsByItsRim) {
+  Candidate small = at(0.0, 3.0);
+  Candidate grown = at(0.0, 4.0);  // its far end came into view
+  small.rim_nearest = grown.rim_nearest = {0.0, 1.6, 2.5};
   Tracker tracker;
+  (void)tracker.update({small}, kRest, 0.0);
+  EXPECT_EQ(tracker.update({grown}, kRest, 0.1)[0].length, 2);
+  Tracker paper(TrackingParams::paper());
+  (void)paper.update({small}, kRest, 0.0);
+  EXPECT_EQ(paper.update({grown}, kRest, 0.1)[0].length, 1);
+}
+
+TEST(Tracker, KeepsTheRateWhenOneFrameIsLate) {
+  Tracker tracker(TrackingParams::paper());
   (void)follow(tracker, 4, kStep);
   EXPECT_TRUE(tracker.update({at(0.0, 3.0)}, kRest, 3 * kStep + 1.0)[0].validated);
 }
 
 TEST(Tracker, RefusesTimesThatDoNotIncrease) {
-  Tracker tracker;
+  Tracker tracker(TrackingParams::paper());
   (void)tracker.update({}, kRest, 1.0);
   test::expect_line_with(test::error_of<std::invalid_argument>([&] { (void)tracker.update({}, kRest, 1.0); }),
                          "time = 1, must be after the last one, 1");
@@ -140,7 +165,7 @@ TEST(Tracker, RefusesParametersOutOfRange) {
 }
 
 TEST(Tracker, HasNoTracksWithoutCandidates) {
-  Tracker tracker;
+  Tracker tracker(TrackingParams::paper());
   EXPECT_TRUE(tracker.update({}, std::nullopt, 0.0).empty());
 }
 
