@@ -38,9 +38,9 @@ struct EgoMotionParams {
   double min_inlier_ratio = 0.35;        ///< inliers among the matches, less give no motion
   int keyframes = 4;                     ///< older frames that motions are measured against
   int keyframe_points = 400;             ///< most points of one
-  double keyframe_overlap = 0.6;         ///< a new one is made when a smaller share of the newest one's points is seen
+  double keyframe_overlap = 0.8;         ///< a new one is made when a smaller share of the newest one's points is seen
   double slope_radius_px = 40.0;         ///< a surface's slope is fitted to points this near
-  double disparity_offset_sd_px = 0.1;   ///< constant error of disparities that rectification may leave, estimated; 0 = none
+  double disparity_offset_sd_px = 0.02;  ///< constant error of disparities that rectification may leave, estimated; 0 = none
   double max_error_scale = 6.0;          ///< errors larger than expected by this factor give no motion: eyes out of step
   double max_translation_sd_m = 0.2;     ///< a motion known worse than this is none, standard deviation in any direction
   double max_rotation_sd_deg = 2.0;      ///< likewise

@@ -26,7 +26,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTukeyCutoff = 4.685;        // standard deviations: 95 % efficiency on Gaussian noise
 constexpr double kMedianError = 1.8321;       // median length of a four-dimensional unit Gaussian
-constexpr double kOffsetWander = 0.01;        // px: by which the constant error of disparities is less certain each frame
+constexpr double kOffsetWander = 0.005;       // px: by which the constant error of disparities is less certain each frame
 constexpr double kLeastMatchDisparity = 0.5;  // px: less tells nothing about depth at the accuracy of features
 
 /// What is kept of a frame: all that the next one is compared with.
