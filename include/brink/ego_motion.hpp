@@ -30,7 +30,7 @@ struct EgoMotionParams {
   int neighbour_support = 2;             ///< agreeing neighbours that a match needs
   double bucket_px = 50.0;               ///< of each square of this size ...
   int matches_per_bucket = 3;            ///< ... so many of the best matches are kept
-  double match_noise_px = 0.6;           ///< standard deviation of a feature's place
+  double match_noise_px = 0.4;           ///< standard deviation of a feature's place
   int ransac_iterations = 300;           ///< samples of three matches at most
   int seed = 1;                          ///< of these samples
   double inlier_sigmas = 4.0;            ///< error of an inlier, expected standard deviations
