@@ -23,10 +23,21 @@ struct OdometryOptions {
   int threads = 0;
 };
 
-/// What one frame told, a picture that cannot be read included.
-EgoMotionEstimate estimate(EgoMotionEstimator& estimator, const FrameReading& reading) {
-  if (reading.status == FrameStatus::ok) return estimator.estimate(reading.frame);
-  return {std::nullopt, reading.reason, std::nullopt, 0, 0};
+/// Frames for which no motion is known, by the reason.
+struct Gaps {
+  int unread = 0;  ///< the next motion bridges them: it is measured from the last frame that could be read
+  int failed = 0;  ///< what happened there is missing in all later poses
+};
+
+std::string to_text(const Gaps& gaps) {
+  std::string text;
+  if (gaps.unread > 0) text += fmt::format("; {} frames could not be read: their poses are those before", gaps.unread);
+  if (gaps.failed > 0) {
+    text +=
+        fmt::format("; {} steps without motion: the path stands still there, and what was missed is missing in all later poses",
+                    gaps.failed);
+  }
+  return text;
 }
 
 int compute_path(const OdometryOptions& options) {
@@ -37,33 +48,41 @@ int compute_path(const OdometryOptions& options) {
   EgoMotionEstimator estimator(params.ego_motion);
   Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
   Trajectory path;
-  int failed = 0;
+  Gaps gaps;
+  bool has_motion = false;
+  bool has_frame = false;
   catch_interruption();
   Progress progress(sequence.size());
   for (int position = 0; position < sequence.size() && !is_interrupted(); ++position) {
     const FrameReading reading = sequence.read(position);
-    const EgoMotionEstimate estimated = estimate(estimator, reading);
-    if (estimated.motion) {
-      world_from_camera = world_from_camera * estimated.motion->current_from_previous.inverse();
-    } else if (position > 0) {
-      ++failed;
-      say(fmt::format("frame {}: no motion: {}", reading.frame.index, estimated.reason));
+    if (reading.status == FrameStatus::ok) {
+      const EgoMotionEstimate estimated = estimator.estimate(reading.frame);
+      if (estimated.motion) {
+        world_from_camera = world_from_camera * estimated.motion->current_from_previous.inverse();
+        has_motion = true;
+      } else if (has_frame) {
+        ++gaps.failed;
+        say(fmt::format("frame {}: no motion: {}", reading.frame.index, estimated.reason));
+      }
+      has_frame = true;
+    } else {
+      ++gaps.unread;
+      say(reading.reason);
     }
     path.times.push_back(reading.frame.time);
     path.world_from_camera.push_back(world_from_camera);
     progress.tell(position + 1);
   }
-  if (path.times.size() > 1 && failed == static_cast<int>(path.times.size()) - 1) {
-    say(fmt::format("no motion between any of {} frames", sequence.size()));
+  if (!has_motion) {
+    say(fmt::format("no motion in any of {} frames", sequence.size()));
     return kExitData;
   }
   if (is_interrupted())
     say(fmt::format("interrupted after {} of {} frames, which are written", path.times.size(), sequence.size()));
   out.write(options.format == PoseFormat::tum ? to_tum(path) : to_kitti(path));
   out.commit();
-  say(fmt::format("{} frames, {:.2f} m from start to end; {} steps without motion{}", sequence.size(),
-                  world_from_camera.translation().norm(), failed,
-                  failed > 0 ? ": the poses stand still there, and all later ones are off by what was missed" : ""));
+  say(fmt::format("{} frames, {:.2f} m from start to end{}", path.times.size(), world_from_camera.translation().norm(),
+                  to_text(gaps)));
   return is_interrupted() ? kExitInterrupted : kExitOk;
 }
 

@@ -30,7 +30,7 @@ struct EgoMotionParams {
   int neighbour_support = 2;             ///< agreeing neighbours that a match needs
   double bucket_px = 50.0;               ///< of each square of this size ...
   int matches_per_bucket = 3;            ///< ... so many of the best matches are kept
-  double match_noise_px = 0.6;           ///< standard deviation of a feature's place
+  double match_noise_px = 0.4;           ///< standard deviation of a feature's place
   int ransac_iterations = 300;           ///< samples of three matches at most
   int seed = 1;                          ///< of these samples
   double inlier_sigmas = 4.0;            ///< error of an inlier, expected standard deviations
@@ -38,9 +38,9 @@ struct EgoMotionParams {
   double min_inlier_ratio = 0.35;        ///< inliers among the matches, less give no motion
   int keyframes = 4;                     ///< older frames that motions are measured against
   int keyframe_points = 400;             ///< most points of one
-  double keyframe_overlap = 0.6;         ///< a new one is made when a smaller share of the newest one's points is seen
+  double keyframe_overlap = 0.8;         ///< a new one is made when a smaller share of the newest one's points is seen
   double slope_radius_px = 40.0;         ///< a surface's slope is fitted to points this near
-  double disparity_offset_sd_px = 0.1;   ///< constant error of disparities that rectification may leave, estimated; 0 = none
+  double disparity_offset_sd_px = 0.02;  ///< constant error of disparities that rectification may leave, estimated; 0 = none
   double max_error_scale = 6.0;          ///< errors larger than expected by this factor give no motion: eyes out of step
   double max_translation_sd_m = 0.2;     ///< a motion known worse than this is none, standard deviation in any direction
   double max_rotation_sd_deg = 2.0;      ///< likewise

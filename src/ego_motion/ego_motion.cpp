@@ -24,9 +24,10 @@ namespace brink {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kTukeyCutoff = 4.685;        // standard deviations: 95 % efficiency on Gaussian noise
-constexpr double kMedianError = 1.8321;       // median length of a four-dimensional unit Gaussian
-constexpr double kOffsetWander = 0.01;        // px: by which the constant error of disparities is less certain each frame
+constexpr double kTukeyCutoff = 4.685;   // standard deviations: 95 % efficiency on Gaussian noise
+constexpr double kScaleShare = 0.3;      // the scale of errors is told by this share of the points: the rest may be outliers
+constexpr double kScaleError = 1.4815;   // that share of four-dimensional unit Gaussian errors is shorter
+constexpr double kOffsetWander = 0.005;  // px: by which the constant error of disparities is less certain each frame
 constexpr double kLeastMatchDisparity = 0.5;  // px: less tells nothing about depth at the accuracy of features
 
 /// What is kept of a frame: all that the next one is compared with.
@@ -134,9 +135,9 @@ double estimate_scale(const std::vector<Sighting>& sightings, const StereoCamera
   std::vector<double> errors;
   errors.reserve(sightings.size());
   for (const Sighting& sighting : sightings) errors.push_back(compute_error(sighting.observation, camera, motion));
-  const auto middle = errors.begin() + std::ssize(errors) / 2;
-  std::nth_element(errors.begin(), middle, errors.end());
-  return std::max(*middle / kMedianError, 1e-3);
+  const auto quantile = errors.begin() + static_cast<std::ptrdiff_t>(kScaleShare * static_cast<double>(errors.size()));
+  std::nth_element(errors.begin(), quantile, errors.end());
+  return std::max(*quantile / kScaleError, 1e-3);
 }
 
 /// Robust final fit to the points of the keyframes. @param scale of the errors, told for the inlier limit.
