@@ -40,50 +40,70 @@ std::string to_text(const Gaps& gaps) {
   return text;
 }
 
+/// The path frame by frame.
+class PathBuilder {
+ public:
+  explicit PathBuilder(const EgoMotionParams& params) : estimator_(params) {}
+
+  void add(const FrameReading& reading) {
+    if (reading.status == FrameStatus::ok) {
+      add_motion(reading.frame);
+    } else {
+      ++gaps_.unread;
+      say(reading.reason);
+    }
+    path_.times.push_back(reading.frame.time);
+    path_.world_from_camera.push_back(world_from_camera_);
+  }
+  [[nodiscard]] const Trajectory& path() const { return path_; }
+  [[nodiscard]] const Gaps& gaps() const { return gaps_; }
+  [[nodiscard]] bool has_motion() const { return has_motion_; }
+
+ private:
+  void add_motion(const Frame& frame) {
+    const EgoMotionEstimate estimated = estimator_.estimate(frame);
+    if (estimated.motion) {
+      world_from_camera_ = world_from_camera_ * estimated.motion->current_from_previous.inverse();
+      has_motion_ = true;
+    } else if (has_frame_) {
+      ++gaps_.failed;
+      say(fmt::format("frame {}: no motion: {}", frame.index, estimated.reason));
+    }
+    has_frame_ = true;
+  }
+
+  EgoMotionEstimator estimator_;
+  Eigen::Isometry3d world_from_camera_ = Eigen::Isometry3d::Identity();
+  Trajectory path_;
+  Gaps gaps_;
+  bool has_motion_ = false;
+  bool has_frame_ = false;
+};
+
 int compute_path(const OdometryOptions& options) {
   const DetectorParams params = make_params(options.method);
   const Sequence sequence = open_input(options.input);
   const auto threads = limit_threads(options.threads);
   OutputFile out(options.out);
-  EgoMotionEstimator estimator(params.ego_motion);
-  Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
-  Trajectory path;
-  Gaps gaps;
-  bool has_motion = false;
-  bool has_frame = false;
+  PathBuilder builder(params.ego_motion);
   catch_interruption();
   Progress progress(sequence.size());
   for (int position = 0; position < sequence.size() && !is_interrupted(); ++position) {
-    const FrameReading reading = sequence.read(position);
-    if (reading.status == FrameStatus::ok) {
-      const EgoMotionEstimate estimated = estimator.estimate(reading.frame);
-      if (estimated.motion) {
-        world_from_camera = world_from_camera * estimated.motion->current_from_previous.inverse();
-        has_motion = true;
-      } else if (has_frame) {
-        ++gaps.failed;
-        say(fmt::format("frame {}: no motion: {}", reading.frame.index, estimated.reason));
-      }
-      has_frame = true;
-    } else {
-      ++gaps.unread;
-      say(reading.reason);
-    }
-    path.times.push_back(reading.frame.time);
-    path.world_from_camera.push_back(world_from_camera);
+    builder.add(sequence.read(position));
     progress.tell(position + 1);
   }
-  if (!has_motion) {
-    say(fmt::format("no motion in any of {} frames", sequence.size()));
+  const Trajectory& path = builder.path();
+  if (!builder.has_motion()) {
+    say(fmt::format("no motion in any of {} frames", path.times.size()));
     return kExitData;
   }
-  if (is_interrupted())
-    say(fmt::format("interrupted after {} of {} frames, which are written", path.times.size(), sequence.size()));
   out.write(options.format == PoseFormat::tum ? to_tum(path) : to_kitti(path));
   out.commit();
-  say(fmt::format("{} frames, {:.2f} m from start to end{}", path.times.size(), world_from_camera.translation().norm(),
-                  to_text(gaps)));
-  return is_interrupted() ? kExitInterrupted : kExitOk;
+  say(fmt::format("{} frames, {:.2f} m from start to end{}", path.times.size(),
+                  path.world_from_camera.back().translation().norm(), to_text(builder.gaps())));
+  if (!is_interrupted()) return kExitOk;
+  say(fmt::format("interrupted after {} of {} frames, which are written", path.times.size(), sequence.size()));
+  return kExitInterrupted;
 }
 
 }  // namespace
