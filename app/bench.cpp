@@ -23,6 +23,7 @@ struct BenchOptions {
   MethodOptions method;
   int threads = 0;
   int repeat = 3;
+  int frames = 30;
   bool stills = false;
   bool json = false;
 };
@@ -49,10 +50,10 @@ double peak_memory_mb() {
 }
 
 // Decoding takes longer than several stages together and is no part of the method.
-std::vector<Frame> decode(const Sequence& sequence) {
+std::vector<Frame> decode(const Sequence& sequence, int most) {
   std::vector<Frame> frames;
   Faults faults;
-  for (int position = 0; position < sequence.size(); ++position) {
+  for (int position = 0; position < std::min(most, sequence.size()); ++position) {
     FrameReading reading = sequence.read(position);
     faults.tell(reading);
     if (reading.status == FrameStatus::ok) frames.push_back(std::move(reading.frame));
@@ -98,7 +99,7 @@ int bench(const BenchOptions& options) {
   DetectorParams params = make_params(options.method);
   params.stills = params.stills || options.stills;
   const auto threads = limit_threads(options.threads);
-  const std::vector<Frame> frames = decode(open_input(options.input));
+  const std::vector<Frame> frames = decode(open_input(options.input), options.frames);
   if (frames.empty()) return kExitData;
   Json result = {{"frames", frames.size()},
                  {"width", frames.front().left.cols},
@@ -121,6 +122,11 @@ Run add_bench(CLI::App& command) {
   command.add_option("--repeat", options->repeat, "Process all frames this many times")
       ->type_name("N")
       ->check(CLI::Range(1, kMostRepeats).description(""))
+      ->capture_default_str();
+  constexpr int kMostFrames = 1000;  // they are all kept in memory
+  command.add_option("--frames", options->frames, "Take the first N frames")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMostFrames).description(""))
       ->capture_default_str();
   command.add_flag("--stills", options->stills, "The pictures are unrelated: without ego-motion and tracking");
   command.add_flag("--json", options->json, "Print JSON instead of text");
