@@ -257,7 +257,7 @@ Attempt EgoMotionEstimator::State::measure(const View& current, const std::optio
   if (!fault.empty()) return {std::nullopt, fault, 0, 0};
 
   // Features, circular matching, outlier removal, bucketing, RANSAC.
-  const Attempt rough = start(current, gyroscope);
+  Attempt rough = start(current, gyroscope);
   if (!rough.fit) return rough;
 
   // Sub-pixel refinement against keyframes, Gauss-Newton with weights by expected noise.

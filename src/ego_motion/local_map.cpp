@@ -36,6 +36,7 @@ std::vector<StereoMatch> spread(const std::vector<StereoMatch>& matches, const S
     if (!is_new && feature.strength > features.left[kept->second.left].strength) kept->second = match;
   }
   std::vector<StereoMatch> result;
+  result.reserve(squares.size());
   for (const auto& [square, match] : squares) result.push_back(match);
   return result;
 }
