@@ -62,13 +62,14 @@ struct Attempt {
 
 bool are_equal(const cv::Mat1b& a, const cv::Mat1b& b) { return cv::norm(a, b, cv::NORM_INF) == 0.0; }
 
+bool are_equal(const StereoCamera& a, const StereoCamera& b) {
+  return a.focal == b.focal && a.cx == b.cx && a.cy == b.cy && a.baseline == b.baseline;
+}
+
 /// Why these two frames cannot be compared at all; empty when they can.
 std::string find_fault(const View& previous, const View& current, const EgoMotionParams& params) {
-  const auto same = [](const StereoCamera& a, const StereoCamera& b) {
-    return a.focal == b.focal && a.cx == b.cx && a.cy == b.cy && a.baseline == b.baseline;
-  };
   if (previous.left.size() != current.left.size()) return "the size of the pictures changed";
-  if (!same(previous.camera, current.camera)) return "the camera changed";
+  if (!are_equal(previous.camera, current.camera)) return "the camera changed";
   const std::array<std::pair<const char*, const FeatureIndex*>, 2> eyes = {
       {{"left", &current.features.left}, {"right", &current.features.right}}};
   for (const auto& [name, features] : eyes) {
@@ -226,6 +227,7 @@ struct EgoMotionEstimator::State {
   [[nodiscard]] Attempt measure(const View& current, const std::optional<Eigen::Matrix3d>& gyroscope);
   [[nodiscard]] Attempt start(const View& current, const std::optional<Eigen::Matrix3d>& gyroscope) const;
   void add_keyframe();
+  void forget_rectification();
 };
 
 /// The rough motion: searched around the predicted one, then everywhere.
@@ -252,12 +254,18 @@ void EgoMotionEstimator::State::add_keyframe() {
   newest_points = keyframes.back().points.size();
 }
 
+/// Another camera has errors of its own.
+void EgoMotionEstimator::State::forget_rectification() {
+  offset = 0.0;
+  offset_variance = params.disparity_offset_sd_px * params.disparity_offset_sd_px;
+}
+
 Attempt EgoMotionEstimator::State::measure(const View& current, const std::optional<Eigen::Matrix3d>& gyroscope) {
   const std::string fault = find_fault(*previous, current, params);
   if (!fault.empty()) return {std::nullopt, fault, 0, 0};
 
   // Features, circular matching, outlier removal, bucketing, RANSAC.
-  const Attempt rough = start(current, gyroscope);
+  Attempt rough = start(current, gyroscope);
   if (!rough.fit) return rough;
 
   // Sub-pixel refinement against keyframes, Gauss-Newton with weights by expected noise.
@@ -307,6 +315,7 @@ EgoMotionEstimate EgoMotionEstimator::estimate(const Frame& frame) {
   const double seconds = current.time - state.previous->time;
   const bool follows = current.index == state.previous->index + 1;  // else the gyroscope tells of another pair of frames
   const Attempt attempt = state.measure(current, follows ? frame.current_from_previous_rotation : std::nullopt);
+  if (!are_equal(state.previous->camera, current.camera)) state.forget_rectification();
   state.previous = std::move(current);
   EgoMotionEstimate estimate{std::nullopt, attempt.reason, std::nullopt, attempt.matches, attempt.inliers};
   if (!attempt.fit) {

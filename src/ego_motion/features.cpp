@@ -51,25 +51,25 @@ Gradients compute_gradients(const cv::Mat1b& picture) {
 }
 
 FeatureDescriptor describe(const Gradients& gradients, cv::Point place) {
-  static const std::array<cv::Point, 16> kSamples = {{{-1, -1},
-                                                      {1, -1},
-                                                      {-1, 1},
-                                                      {1, 1},
-                                                      {-3, -1},
-                                                      {3, -1},
-                                                      {-3, 1},
-                                                      {3, 1},
-                                                      {-1, -5},
-                                                      {1, -5},
-                                                      {-1, 5},
-                                                      {1, 5},
-                                                      {-5, -3},
-                                                      {5, -3},
-                                                      {-5, 3},
-                                                      {5, 3}}};
+  static const std::array<cv::Point, 16> samples = {{{-1, -1},
+                                                     {1, -1},
+                                                     {-1, 1},
+                                                     {1, 1},
+                                                     {-3, -1},
+                                                     {3, -1},
+                                                     {-3, 1},
+                                                     {3, 1},
+                                                     {-1, -5},
+                                                     {1, -5},
+                                                     {-1, 5},
+                                                     {1, 5},
+                                                     {-5, -3},
+                                                     {5, -3},
+                                                     {-5, 3},
+                                                     {5, 3}}};
   FeatureDescriptor descriptor;
   std::size_t i = 0;
-  for (const cv::Point& sample : kSamples) {
+  for (const cv::Point& sample : samples) {
     descriptor[i++] = gradients.u(place + sample);
     descriptor[i++] = gradients.v(place + sample);
   }
@@ -123,10 +123,11 @@ void find_extrema(const cv::Mat1s& response, FeatureClass minimum, FeatureClass 
 /// The strongest of each square; ties go to the one found first.
 std::vector<Extremum> keep_strongest(const std::vector<Extremum>& extrema, cv::Size size, int bucket, int per_bucket) {
   const int columns = size.width / bucket + 1;
-  std::vector<std::vector<Extremum>> buckets(static_cast<std::size_t>(columns) *
-                                             static_cast<std::size_t>(size.height / bucket + 1));
+  const int rows = size.height / bucket + 1;
+  std::vector<std::vector<Extremum>> buckets(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   for (const Extremum& extremum : extrema) {
-    buckets[static_cast<std::size_t>(extremum.place.y / bucket * columns + extremum.place.x / bucket)].push_back(extremum);
+    const int square = extremum.place.y / bucket * columns + extremum.place.x / bucket;
+    buckets[static_cast<std::size_t>(square)].push_back(extremum);
   }
   std::vector<Extremum> kept;
   for (std::vector<Extremum>& one : buckets) {

@@ -36,6 +36,7 @@ std::vector<StereoMatch> spread(const std::vector<StereoMatch>& matches, const S
     if (!is_new && feature.strength > features.left[kept->second.left].strength) kept->second = match;
   }
   std::vector<StereoMatch> result;
+  result.reserve(squares.size());
   for (const auto& [square, match] : squares) result.push_back(match);
   return result;
 }
@@ -102,41 +103,58 @@ Eigen::Vector4d transfer(const Eigen::Vector3d& pixel, const StereoCamera& camer
   return project_stereo(camera, current_from_keyframe * camera.triangulate(pixel.x(), pixel.y(), pixel.z()));
 }
 
-std::optional<Sighting> find_point(const MapPoint& point, const Keyframe& keyframe, const SmoothPair& current,
-                                   const StereoCamera& camera, const Eigen::Isometry3d& current_from_previous, double offset) {
-  const Eigen::Isometry3d current_from_keyframe = current_from_previous * keyframe.frame_from_keyframe;
+/// Where and how a point should show in the current pictures.
+struct Prediction {
+  Eigen::Vector4d pixel;         ///< column and row left, then right, px
+  Eigen::Vector4d by_disparity;  ///< derivative of pixel by the point's disparity
+  Eigen::Matrix2d left_warp;     ///< offsets in the patch -> offsets in the left picture
+  Eigen::Matrix2d right_warp;
+};
+
+/// Empty when the point is behind the camera or too near. The surface of a patch is a plane: its slope tells the warp.
+std::optional<Prediction> predict(const MapPoint& point, const StereoCamera& camera,
+                                  const Eigen::Isometry3d& current_from_keyframe) {
   const Eigen::Vector3d centre(point.patch.centre.x, point.patch.centre.y, point.disparity);
+  if (centre.z() <= point.slope.cwiseAbs().maxCoeff()) return std::nullopt;  // its plane reaches infinity within the patch
   const Eigen::Vector3d in_keyframe = camera.triangulate(centre.x(), centre.y(), centre.z());
   const Eigen::Vector3d now = current_from_keyframe * in_keyframe;
-  if (now.z() < camera.baseline) return std::nullopt;  // behind the camera, or nearer than any disparity is searched
-  // The surface of the patch is a plane: its slope tells how the patch is warped.
-  const Eigen::Vector3d along_u(1.0, 0.0, point.slope.x());
-  const Eigen::Vector3d along_v(0.0, 1.0, point.slope.y());
-  if (centre.z() <= std::max(std::abs(point.slope.x()), std::abs(point.slope.y()))) return std::nullopt;
-  const Eigen::Vector4d predicted = project_stereo(camera, now);
-  const Eigen::Vector4d by_u = 0.5 * (transfer(centre + along_u, camera, current_from_keyframe) -
-                                      transfer(centre - along_u, camera, current_from_keyframe));
-  const Eigen::Vector4d by_v = 0.5 * (transfer(centre + along_v, camera, current_from_keyframe) -
-                                      transfer(centre - along_v, camera, current_from_keyframe));
-  Eigen::Matrix2d left_warp;
-  Eigen::Matrix2d right_warp;
-  left_warp << by_u.head<2>(), by_v.head<2>();
-  right_warp << by_u.tail<2>(), by_v.tail<2>();
-  const auto left = align_patch(point.patch, current.left, predicted.head<2>(), left_warp, kTemporalReach);
+  if (now.z() < camera.baseline) return std::nullopt;  // or nearer than any disparity is searched
+  const auto differentiate = [&](const Eigen::Vector3d& step) -> Eigen::Vector4d {
+    return 0.5 *
+           (transfer(centre + step, camera, current_from_keyframe) - transfer(centre - step, camera, current_from_keyframe));
+  };
+  const Eigen::Vector4d by_u = differentiate({1.0, 0.0, point.slope.x()});
+  const Eigen::Vector4d by_v = differentiate({0.0, 1.0, point.slope.y()});
+  Prediction prediction;
+  prediction.pixel = project_stereo(camera, now);
+  prediction.by_disparity =
+      project_stereo_jacobian(camera, now) * (current_from_keyframe.linear() * in_keyframe) / -point.disparity;
+  prediction.left_warp << by_u.head<2>(), by_v.head<2>();
+  prediction.right_warp << by_u.tail<2>(), by_v.tail<2>();
+  return prediction;
+}
+
+/// The point as it is found in the current pair; Sighting::keyframe and point are the caller's.
+std::optional<Sighting> find_point(const MapPoint& point, const Keyframe& keyframe, const SmoothPair& current,
+                                   const StereoCamera& camera, const Eigen::Isometry3d& current_from_previous, double offset) {
+  const auto prediction = predict(point, camera, current_from_previous * keyframe.frame_from_keyframe);
+  if (!prediction) return std::nullopt;
+  const auto left = align_patch(point.patch, current.left, prediction->pixel.head<2>(), prediction->left_warp, kTemporalReach);
   if (!left) return std::nullopt;
-  const auto right = align_patch(point.patch, current.right, predicted.tail<2>() + Eigen::Vector2d(offset, point.row_offset),
-                                 right_warp, kTemporalReach);
+  // What rectification left in the columns of all, and in the rows of this point when it was new, is taken away.
+  const Eigen::Vector2d rectification(offset, point.row_offset);
+  const auto right = align_patch(point.patch, current.right, prediction->pixel.tail<2>() + rectification,
+                                 prediction->right_warp, kTemporalReach);
   if (!right || std::abs(left->position.y() - right->position.y()) > kRowTolerance) return std::nullopt;
   Sighting sighting;
-  sighting.observation.point = keyframe.frame_from_keyframe * in_keyframe;
-  // What rectification left in the columns of all, and in the rows of this point when it was new, is taken away.
-  sighting.observation.pixel << left->position, right->position.x() - offset, right->position.y() - point.row_offset;
+  sighting.observation.point =
+      keyframe.frame_from_keyframe * camera.triangulate(point.patch.centre.x, point.patch.centre.y, point.disparity);
+  sighting.observation.pixel << left->position, right->position - rectification;
   sighting.pixel_covariance.setZero();
   sighting.pixel_covariance.topLeftCorner<2, 2>() = with_model_error(left->covariance);
   sighting.pixel_covariance.bottomRightCorner<2, 2>() = with_model_error(right->covariance);
   sighting.pixel_covariance(3, 3) += point.row_variance;
-  sighting.by_disparity =
-      project_stereo_jacobian(camera, now) * (current_from_keyframe.linear() * in_keyframe) / -point.disparity;
+  sighting.by_disparity = prediction->by_disparity;
   sighting.observation.by_offset = sighting.by_disparity + Eigen::Vector4d::Unit(2);
   sighting.observation.sqrt_information =
       compute_sqrt_information(sighting.pixel_covariance, point.variance, sighting.by_disparity);

@@ -73,7 +73,8 @@ std::optional<int> FeatureIndex::find(const Feature& feature, const SearchWindow
   const auto& squares = squares_[static_cast<std::size_t>(feature.kind)];
   for (int row = row_of(window.least.y); row <= row_of(window.greatest.y); ++row) {
     for (int column = column_of(window.least.x); column <= column_of(window.greatest.x); ++column) {
-      for (const int i : squares[static_cast<std::size_t>(row * columns_ + column)]) {
+      const int square = row * columns_ + column;
+      for (const int i : squares[static_cast<std::size_t>(square)]) {
         const Feature& other = (*this)[i];
         const bool inside = other.position.x >= window.least.x && other.position.x <= window.greatest.x &&
                             other.position.y >= window.least.y && other.position.y <= window.greatest.y;

@@ -62,6 +62,7 @@ Eigen::Isometry3d walk_motion(int from, int to) { return walk(to).inverse() * wa
 const Frame& walk_frame(int frame) {
   static const std::vector<Frame> frames = [] {
     std::vector<Frame> made;
+    made.reserve(8);
     for (int i = 0; i < 8; ++i) made.push_back(render_room(walk(i), i));
     return made;
   }();
@@ -247,6 +248,7 @@ std::vector<EgoMotionEstimate> estimate_walk(std::size_t threads) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   EgoMotionEstimator estimator;
   std::vector<EgoMotionEstimate> estimates;
+  estimates.reserve(8);
   for (int frame = 0; frame < 8; ++frame) estimates.push_back(estimator.estimate(walk_frame(frame)));
   return estimates;
 }

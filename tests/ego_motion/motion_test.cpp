@@ -34,6 +34,7 @@ std::vector<Eigen::Vector3d> make_points(int count, unsigned seed) {
 
 std::vector<Observation> observe(const std::vector<Eigen::Vector3d>& points, const Eigen::Isometry3d& motion) {
   std::vector<Observation> observations;
+  observations.reserve(points.size());
   for (const Eigen::Vector3d& point : points) {
     observations.push_back(
         {point, project_stereo(kCamera, motion * point), Eigen::Vector4d::Zero(), Eigen::Matrix4d::Identity()});
