@@ -48,7 +48,13 @@ Detection example() {
   detection.ground.pose.height_m = 1.64;
   detection.ground.pose.pitch_deg = 24.9;
   detection.obstacles = {example_obstacle()};
-  detection.times = {40.0, 5.0, 1.0, 0.5, 46.5};
+  detection.times = {.disparity = 40.0,
+                     .ground = 5.0,
+                     .below_ground = 1.0,
+                     .no_disparity = 0.5,
+                     .ego_motion = 42.0,
+                     .tracking = 0.25,
+                     .total = 46.75};
   return detection;
 }
 
@@ -67,7 +73,8 @@ TEST(JsonLine, HoldsTheFrameAndItsGround) {
             Json::parse(R"({"state":"seen","confidence":0.93,"height_m":1.64,"pitch_deg":24.9,"roll_deg":0.0})"));
   EXPECT_EQ(json["ego_motion"], Json::parse(R"({"state":"none"})"));
   EXPECT_EQ(json["times_ms"],
-            Json::parse(R"({"disparity":40.0,"ground":5.0,"below_ground":1.0,"no_disparity":0.5,"total":46.5})"));
+            Json::parse(R"({"disparity":40.0,"ground":5.0,"below_ground":1.0,"no_disparity":0.5,"ego_motion":42.0,
+                            "tracking":0.25,"total":46.75})"));
 }
 
 TEST(JsonLine, HoldsEveryFieldOfAnObstacleRounded) {
@@ -216,6 +223,41 @@ TEST(ReadDetections, ReadsTheNumbersOfEachField) {
   EXPECT_EQ(detections[1].status, FrameStatus::no_picture);
   EXPECT_EQ(detections[1].reason, "13.png: no such file");
   EXPECT_FALSE(detections[1].ground.plane.has_value());
+}
+
+Detection moving_example() {
+  Detection detection = example();
+  detection.ego_motion_state = EgoMotionState::ok;
+  detection.ego_motion.matches = 412;
+  detection.ego_motion.inliers = 371;
+  EgoMotion motion;
+  motion.current_from_previous = Eigen::Translation3d(0.01, -0.002, -0.083) * Eigen::AngleAxisd(0.25, Eigen::Vector3d::UnitY());
+  detection.ego_motion.motion = motion;
+  return detection;
+}
+
+TEST(JsonLine, HoldsTheEgoMotion) {
+  const Json json = Json::parse(to_json_line(moving_example()))["ego_motion"];
+  EXPECT_EQ(json["state"], "ok");
+  EXPECT_EQ(json["matches"], 412);
+  EXPECT_EQ(json["inliers"], 371);
+  EXPECT_EQ(json["current_from_previous"][2][3], -0.083);
+  EXPECT_EQ(json["current_from_previous"][3], Json({0.0, 0.0, 0.0, 1.0}));
+}
+
+TEST(ReadDetections, ReadsTheEgoMotionBack) {
+  const test::TemporaryFolder folder;
+  Detection failed = example();
+  failed.frame = 13;
+  failed.ego_motion_state = EgoMotionState::failed;
+  failed.ego_motion.reason = "too few matches";
+  const std::string text = to_json_line(moving_example()) + to_json_line(failed);
+  EXPECT_EQ(rewritten(folder.add("d.jsonl", text)), text);
+  Json json = Json::parse(to_json_line(moving_example()));
+  json["ego_motion"]["current_from_previous"].erase(3);
+  const std::string path = folder.add("short.jsonl", json.dump() + "\n");
+  test::expect_line_with(test::error_of<std::runtime_error>([&] { read_detections(path); }),
+                         "ego_motion.current_from_previous");
 }
 
 TEST(ReadDetections, LeavesOutEmptyLinesAndFieldsThatItDoesNotKnow) {
