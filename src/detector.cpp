@@ -135,6 +135,7 @@ void Detector::estimate_ego_motion(const Frame& frame, Detection& detection) {
   if (params_.stills) return;
   const std::optional<Eigen::Isometry3d> last = std::exchange(last_world_from_camera_, frame.world_from_camera);
   if (last && frame.world_from_camera) {
+    ego_motion_ = EgoMotionEstimator(params_.ego_motion);  // what it remembers is no longer the last frame
     detection.ego_motion_state = EgoMotionState::given;
     detection.ego_motion.motion = EgoMotion{.current_from_previous = frame.world_from_camera->inverse() * *last};
     return;

@@ -1,4 +1,3 @@
-#include <cmath>
 #include <string>
 #include <vector>
 
@@ -8,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "brink/disparity.hpp"
+#include "brink/evaluation.hpp"
 #include "test_data.hpp"
 
 // Middlebury pairs with true disparities. Every pixel of known truth counts; nothing is cut off at the borders. The limits are
@@ -26,27 +26,14 @@ struct Score {
 
 /// @param mask where not 0 the pixel counts.
 Score compute_score(const cv::Mat1f& disparity, const cv::Mat1f& truth, const cv::Mat1b& mask) {
-  double known = 0.0;
-  double valid = 0.0;
-  Score score;
-  for (int v = 0; v < truth.rows; ++v) {
-    for (int u = 0; u < truth.cols; ++u) {
-      if (mask(v, u) == 0) continue;
-      known += 1.0;
-      if (disparity(v, u) == kInvalidDisparity) continue;
-      valid += 1.0;
-      const double error = std::abs(disparity(v, u) - truth(v, u));
-      score.mean_error_px += error;
-      score.bad_1 += error > 1.0 ? 1.0 : 0.0;
-      score.bad_2 += error > 2.0 ? 1.0 : 0.0;
-      score.bad_3 += error > 3.0 ? 1.0 : 0.0;
-    }
-  }
-  score.density = 100.0 * valid / known;
-  score.bad_2_or_invalid = 100.0 * (score.bad_2 + known - valid) / known;
-  for (double* count : {&score.bad_1, &score.bad_2, &score.bad_3}) *count *= 100.0 / valid;
-  score.mean_error_px /= valid;
-  return score;
+  constexpr double kPercent = 100.0;
+  const DisparityErrors errors = compute_disparity_errors(disparity, truth, mask);
+  return {.density = kPercent * errors.density,
+          .bad_1 = kPercent * errors.bad_1,
+          .bad_2 = kPercent * errors.bad_2,
+          .bad_3 = kPercent * errors.bad_3,
+          .mean_error_px = errors.mean_error_px,
+          .bad_2_or_invalid = kPercent * errors.bad_2_or_invalid};
 }
 
 struct Scene {
