@@ -76,6 +76,7 @@ std::vector<Track> Tracker::update(const std::vector<Candidate>& candidates,
   const std::map<std::size_t, std::size_t> heirs = find_heirs(links);
 
   std::vector<Track> tracks;
+  tracks.reserve(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     Track track{.id = 0, .candidate = candidates[i], .length = 1, .validated = false};
     if (links[i]) track.length = memories_[links[i]->track].length + 1;
@@ -97,6 +98,7 @@ void Tracker::miss(double time) {
 void Tracker::remember(const std::vector<Track>& tracks, const std::map<std::size_t, std::size_t>& heirs, double time) {
   constexpr double kTolerance = 1e-9;  // s
   std::vector<Memory> memories;
+  memories.reserve(tracks.size() + memories_.size());
   for (const Track& track : tracks) {
     memories.push_back({track.id, track.length, track.candidate.centroid, track.candidate.rim_nearest, time});
   }
