@@ -92,6 +92,7 @@ std::vector<SequenceScore> evaluate_pairs(const std::vector<EvaluationPair>& pai
   std::optional<CocoWriter> coco;
   if (!outputs.coco.empty()) coco.emplace();
   std::vector<SequenceScore> scores;
+  scores.reserve(pairs.size());
   for (const EvaluationPair& pair : pairs) scores.push_back(evaluate_pair(pair, params, coco ? &*coco : nullptr));
   if (coco) write_file(outputs.coco, coco->text());
   if (!outputs.gallery.empty()) write_gallery(pairs, scores, outputs);

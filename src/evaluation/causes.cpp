@@ -55,7 +55,7 @@ std::string explain_miss(const FrameTruth& truth, const Detection& detection, in
 std::string explain_false_alarm(const cv::Mat1f& disparity, const NegativeObstacle& obstacle, const GroundPlane& ground,
                                 const StereoCamera& camera) {
   constexpr double kLevel = 0.10;  // m: what counts as ground, as T_g
-  const std::string type = to_string(obstacle.candidate.type);
+  std::string type = to_string(obstacle.candidate.type);
   if (disparity.empty()) return type;
   const cv::Mat1b region = fill_contour(obstacle.candidate.contour, disparity.size());
   const cv::Mat1f elevation = compute_elevation(disparity, ground, camera);
