@@ -153,6 +153,23 @@ std::unique_ptr<tbb::global_control> limit_threads(int threads) {
   return std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
 }
 
+bool process_sequence(const Sequence& sequence, const DetectorParams& params, const ProcessedFrame& on_frame,
+                      const std::vector<Eigen::Isometry3d>& world_from_camera) {
+  catch_interruption();
+  Detector detector(params);
+  Progress progress(sequence.size());
+  for (int position = 0; position < sequence.size() && !is_interrupted(); ++position) {
+    FrameReading reading = sequence.read(position);
+    const Frame& frame = reading.frame;
+    if (!world_from_camera.empty()) reading.frame.world_from_camera = world_from_camera[static_cast<std::size_t>(position)];
+    const bool readable = reading.status == FrameStatus::ok;
+    on_frame(reading, readable ? detector.process(frame)
+                               : detector.process_failed(frame.index, frame.time, reading.status, reading.reason));
+    progress.tell(position + 1);
+  }
+  return !is_interrupted();
+}
+
 bool is_interrupted() { return interrupted != 0; }
 
 void catch_interruption() { std::signal(SIGINT, note_interruption); }

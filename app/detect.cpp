@@ -147,23 +147,6 @@ int detect(const DetectOptions& options) {
 
 }  // namespace
 
-bool process_sequence(const Sequence& sequence, const DetectorParams& params, const ProcessedFrame& on_frame,
-                      const std::vector<Eigen::Isometry3d>& world_from_camera) {
-  catch_interruption();
-  Detector detector(params);
-  Progress progress(sequence.size());
-  for (int position = 0; position < sequence.size() && !is_interrupted(); ++position) {
-    FrameReading reading = sequence.read(position);
-    const Frame& frame = reading.frame;
-    if (!world_from_camera.empty()) reading.frame.world_from_camera = world_from_camera[static_cast<std::size_t>(position)];
-    const bool readable = reading.status == FrameStatus::ok;
-    on_frame(reading, readable ? detector.process(frame)
-                               : detector.process_failed(frame.index, frame.time, reading.status, reading.reason));
-    progress.tell(position + 1);
-  }
-  return !is_interrupted();
-}
-
 Run add_detect(CLI::App& command) {
   const auto options = std::make_shared<DetectOptions>();
   add_input_options(command, options->input);

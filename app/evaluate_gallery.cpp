@@ -50,7 +50,7 @@ void add_faults(Kind kind, std::size_t pair, std::size_t position, const Sequenc
   const std::string where = fmt::format("{} frame {}", sequence.name, frame.frame);
   if (kind == Kind::miss) {
     for (const InstanceScore& one : frame.instances) {
-      if (!one.settled || one.hit) continue;
+      if (!one.settled || one.settled_hit) continue;
       const double distance = one.distance_m.value_or(0.0);
       faults.push_back({pair, position, one.id, fmt::format("{}/{}", pair, one.id), nearness(distance),
                         fmt::format("{}: missed {} at {:.2f} m", where, one.id, distance)});
@@ -109,7 +109,13 @@ class PairReader {
   }
   [[nodiscard]] const StereoCamera& camera() const { return sequence_.camera(); }
   [[nodiscard]] cv::Mat3b picture(std::size_t position) const {
-    const Frame frame = sequence_.read(static_cast<int>(position)).frame;
+    // By its number: a sequence may have masks for some of its frames only.
+    const std::vector<FrameStamp>& stamps = sequence_.stamps();
+    const int number = detections_.at(position).frame;
+    const auto stamp =
+        std::find_if(stamps.begin(), stamps.end(), [number](const FrameStamp& one) { return one.index == number; });
+    if (stamp == stamps.end()) return {};
+    const Frame frame = sequence_.read(static_cast<int>(std::distance(stamps.begin(), stamp))).frame;
     if (!frame.left_color.empty() || frame.left.empty()) return frame.left_color;
     cv::Mat3b picture;
     cv::merge(std::vector<cv::Mat>(3, frame.left), picture);
@@ -129,6 +135,7 @@ std::string explain(Kind kind, const Fault& fault, PairReader& reader) {
   if (kind == Kind::miss) return explain_miss(reader.truth(fault.position), detection, fault.id, reader.camera());
   const auto obstacle = std::find_if(detection.obstacles.begin(), detection.obstacles.end(),
                                      [&fault](const NegativeObstacle& one) { return one.id == fault.id; });
+  if (!detection.ground.plane) return to_string(obstacle->candidate.type) + " without a ground";
   const GroundPose& pose = detection.ground.pose;
   const GroundPlane plane = make_ground_plane(pose.height_m, pose.pitch_deg, pose.roll_deg, reader.camera());
   return explain_false_alarm(reader.true_disparity(fault.position), *obstacle, plane, reader.camera());

@@ -61,7 +61,7 @@ class CocoWriter {
 };
 
 /// Why an instance was missed, as far as the detections tell: "no_picture", "ground not_visible", "rejected: black", "tracked,
-/// not reported", "overlap too small", "nothing there" ...
+/// not reported", "overlap too small", "no region" ...
 std::string explain_miss(const FrameTruth& truth, const Detection& detection, int id, const StereoCamera& camera);
 
 /// What a false detection lies on: its type and whether most of its inside stands above the ground, is ground or lies below it.
@@ -71,7 +71,7 @@ std::string explain_false_alarm(const cv::Mat1f& disparity, const NegativeObstac
                                 const StereoCamera& camera);
 
 /// One frame with its truth and its detections: instances that count yellow, "don't care" grey, hits green, false detections
-/// red, tracks that are not validated thin blue, rejected regions as points with their rule.
+/// red, tracks that are not reported thin blue.
 /// @param title written at the top. @param picture the left one, BGR; empty = black.
 cv::Mat3b draw_evaluation(const cv::Mat3b& picture, const FrameTruth& truth, const Detection& detection,
                           const FrameScore& score, const std::string& title);

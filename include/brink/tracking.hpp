@@ -38,6 +38,7 @@ class Tracker {
   /// The tracks of this frame, one for each candidate, in their order. What the last frames' tracks remember is moved by the
   /// camera's motion; each candidate goes on with the nearest one within association_radius_m, whatever its type. Several may
   /// go on with one, as regions split: the nearest keeps its id.
+  /// @param candidates of this frame, positions in its left camera frame, m; empty = nothing was found.
   /// @param current_from_previous left camera frames of the last call and of this one; empty when the motion is not known: then
   ///        all tracks end, and every candidate begins anew.
   /// @param time s. The frame rate follows from the times of the last calls: at f frames per second max(min_sightings,

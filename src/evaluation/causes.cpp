@@ -5,19 +5,12 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <opencv2/imgproc.hpp>
 
 #include "brink/evaluation_report.hpp"
+#include "evaluation/frame_overlaps.hpp"
 
 namespace brink {
 namespace {
-
-cv::Mat1b widened_mask(const FrameTruth& truth, int id) {
-  const int width = 2 * EvaluationParams{}.dilation_px + 1;
-  cv::Mat1b mask;
-  cv::dilate(truth.negative == id, mask, cv::getStructuringElement(cv::MORPH_ELLIPSE, {width, width}));
-  return mask;
-}
 
 bool overlaps(const NegativeObstacle& obstacle, const cv::Mat1b& mask) {
   return cv::countNonZero(fill_contour(obstacle.candidate.contour, mask.size()) & mask) > 0;
@@ -37,7 +30,8 @@ bool overlaps(const Candidate& region, const cv::Mat1b& mask, const StereoCamera
 std::string explain_miss(const FrameTruth& truth, const Detection& detection, int id, const StereoCamera& camera) {
   if (detection.status != FrameStatus::ok) return to_string(detection.status);
   if (detection.ground.state == GroundState::not_visible) return "ground not_visible";
-  const cv::Mat1b mask = widened_mask(truth, id);
+  const cv::Mat1b instance(truth.negative == id);
+  const cv::Mat1b mask = widen(instance, EvaluationParams{}.dilation_px);
   const auto on_it = [&mask](const NegativeObstacle& obstacle) { return overlaps(obstacle, mask); };
   if (std::any_of(detection.obstacles.begin(), detection.obstacles.end(), on_it)) return "overlap too small";
   if (std::any_of(detection.tracks.begin(), detection.tracks.end(), on_it)) return "tracked, not reported";

@@ -8,6 +8,9 @@
 
 namespace brink {
 
+/// A mask widened by a Euclidean disc, so that it grows equally in all directions. @param mask not 0 = inside.
+cv::Mat1b widen(const cv::Mat1b& mask, int radius_px);
+
 /// How the detections and the instances of one frame overlap: counted once, judged for any set of ids that counts.
 class FrameOverlaps {
  public:

@@ -12,7 +12,7 @@ namespace {
 
 bool is_half(int part_px, int whole_px) { return 2 * part_px >= whole_px; }
 
-/// Offsets no farther than the radius from the middle: a Euclidean disc, so that a mask grows equally in all directions.
+/// Offsets no farther than the radius from the middle.
 cv::Mat1b make_disc(int radius_px) {
   cv::Mat1b disc(2 * radius_px + 1, 2 * radius_px + 1, uchar{0});
   for (int v = -radius_px; v <= radius_px; ++v) {
@@ -21,17 +21,6 @@ cv::Mat1b make_disc(int radius_px) {
     }
   }
   return disc;
-}
-
-cv::Mat1b dilate(const cv::Mat1b& mask, const cv::Mat1b& disc) {
-  const cv::Rect tight = cv::boundingRect(mask);
-  const int margin = disc.cols / 2;
-  const cv::Rect box = cv::Rect(tight.tl() - cv::Point(margin, margin), tight.size() + cv::Size(2 * margin, 2 * margin)) &
-                       cv::Rect(cv::Point(0, 0), mask.size());
-  cv::Mat1b dilated(mask.size(), uchar{0});
-  cv::Mat1b inside = dilated(box);
-  cv::dilate(mask(box), inside, disc);
-  return dilated;
 }
 
 std::vector<int> list_ids(const cv::Mat1b& negative) {
@@ -52,6 +41,17 @@ void require_size(const cv::Mat1b& region, std::size_t index, const cv::Size& si
 
 }  // namespace
 
+cv::Mat1b widen(const cv::Mat1b& mask, int radius_px) {
+  const cv::Rect tight = cv::boundingRect(mask);
+  const cv::Rect box =
+      cv::Rect(tight.tl() - cv::Point(radius_px, radius_px), tight.size() + cv::Size(2 * radius_px, 2 * radius_px)) &
+      cv::Rect(cv::Point(0, 0), mask.size());
+  cv::Mat1b dilated(mask.size(), uchar{0});
+  cv::Mat1b inside = dilated(box);
+  cv::dilate(mask(box), inside, make_disc(radius_px));
+  return dilated;
+}
+
 FrameOverlaps::FrameOverlaps(const cv::Mat1b& negative, const std::vector<cv::Mat1b>& regions, int dilation_px) {
   if (dilation_px < 0) throw std::invalid_argument(fmt::format("dilation_px = {}, must be 0 or more", dilation_px));
   for (std::size_t i = 0; i < regions.size(); ++i) require_size(regions[i], i, negative.size());
@@ -65,10 +65,9 @@ FrameOverlaps::FrameOverlaps(const cv::Mat1b& negative, const std::vector<cv::Ma
   }
   if (negative.empty()) return;
   not_labelled_ = negative == kNotLabelled;
-  const cv::Mat1b disc = make_disc(dilation_px);
   for (const int id : list_ids(negative)) {
     const cv::Mat1b mask(negative == id);
-    instances_.push_back({id, cv::countNonZero(mask), dilate(mask, disc)});
+    instances_.push_back({id, cv::countNonZero(mask), widen(mask, dilation_px)});
     for (Region& region : regions_) {
       if (region.px == 0) continue;
       region.common.push_back(cv::countNonZero(region.mask & mask(region.box)));

@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include "brink/calibration.hpp"
 #include "brink/files.hpp"
@@ -16,6 +15,7 @@
 #include "io/rim_plane.hpp"
 #include "io/sequence_files.hpp"
 #include "io/text.hpp"
+#include "io/yaml_fields.hpp"
 
 namespace brink {
 namespace fs = std::filesystem;
@@ -27,10 +27,6 @@ constexpr std::array<std::string_view, 7> kTypes = {"stairs_down", "platform_edg
 bool is_there(const fs::path& path) {
   std::error_code error;
   return fs::exists(path, error);
-}
-
-[[noreturn]] void fail(const fs::path& path, const std::string& fault) {
-  throw std::runtime_error(fmt::format("{}: {}", path.string(), fault));
 }
 
 /// A field of an instance as text, for parse_number. @param where the file and the instance, for messages.
@@ -81,37 +77,33 @@ InstanceTruth read_instance(const YAML::Node& node, const std::string& where) {
 
 std::vector<InstanceTruth> read_instances(const fs::path& path) {
   std::vector<InstanceTruth> instances;
-  try {
-    const YAML::Node root = YAML::Load(read_file(path.string()));
-    if (!root.IsSequence()) fail(path, "is no list of negative obstacles, expected [] when there is none");
-    for (const YAML::Node& node : root) {
-      const std::string where = fmt::format("{}: line {}", path.string(), node.Mark().line + 1);
-      instances.push_back(read_instance(node, where));
-      const auto is_same = [&](const InstanceTruth& other) { return other.id == instances.back().id; };
-      if (std::ranges::count_if(instances, is_same) > 1) {
-        throw std::runtime_error(fmt::format("{}: id = {} is there already", where, instances.back().id));
-      }
+  const YAML::Node root = parse_yaml(path.string(), read_file(path.string()));
+  if (!root.IsSequence()) fail_file(path, "is no list of negative obstacles, expected [] when there is none");
+  for (const YAML::Node& node : root) {
+    const std::string where = fmt::format("{}: line {}", path.string(), node.Mark().line + 1);
+    instances.push_back(read_instance(node, where));
+    const auto is_same = [&](const InstanceTruth& other) { return other.id == instances.back().id; };
+    if (std::ranges::count_if(instances, is_same) > 1) {
+      throw std::runtime_error(fmt::format("{}: id = {} is there already", where, instances.back().id));
     }
-  } catch (const YAML::Exception& error) {
-    fail(path, fmt::format("is not YAML: line {}: {}", error.mark.line + 1, error.msg));
   }
   return instances;
 }
 
 std::vector<Eigen::Isometry3d> read_poses(const fs::path& path, int last_number) {
   Trajectory trajectory = read_trajectory(path.string());
-  if (!trajectory.times.empty()) fail(path, "has 8 numbers a line, expected 12 (KITTI: row-major 3x4)");
+  if (!trajectory.times.empty()) fail_file(path, "has 8 numbers a line, expected 12 (KITTI: row-major 3x4)");
   if (trajectory.world_from_camera.size() <= static_cast<std::size_t>(last_number)) {
-    fail(path, fmt::format("has {} poses, expected one for each frame from 0 to {}", trajectory.world_from_camera.size(),
-                           last_number));
+    fail_file(path, fmt::format("has {} poses, expected one for each frame from 0 to {}", trajectory.world_from_camera.size(),
+                                last_number));
   }
   return std::move(trajectory.world_from_camera);
 }
 
 void check_size(const std::string& path, const cv::Size& size, const cv::Size& expected) {
   if (size != expected) {
-    fail(path, fmt::format("is {}x{} px, expected {}x{} like the first mask", size.width, size.height, expected.width,
-                           expected.height));
+    fail_file(path, fmt::format("is {}x{} px, expected {}x{} like the first mask", size.width, size.height, expected.width,
+                                expected.height));
   }
 }
 
@@ -131,13 +123,13 @@ std::vector<VisibleInstance> count_instances(const cv::Mat1b& negative) {
 SequenceTruth::SequenceTruth(const std::string& folder) : folder_(folder) {
   const fs::path root(folder);
   const fs::path masks = root / "negative";
-  if (!is_there(masks)) fail(masks, "no such folder, expected masks 000000.png, ... of the negative obstacles");
+  if (!is_there(masks)) fail_file(masks, "no such folder, expected masks 000000.png, ... of the negative obstacles");
   for (const auto& [number, path] : list_pictures(masks)) {
-    if (fs::path(path).extension() != ".png") fail(path, "expected a PNG: other pictures do not keep ids");
+    if (fs::path(path).extension() != ".png") fail_file(path, "expected a PNG: other pictures do not keep ids");
     frames_.push_back(number);
     masks_.push_back(path);
   }
-  if (frames_.empty()) fail(masks, "holds no masks, expected 000000.png, ...");
+  if (frames_.empty()) fail_file(masks, "holds no masks, expected 000000.png, ...");
   size_ = read_mask(masks_.front()).size();
   times_ = read_times(root / "times.txt", frames_.back());
   if (is_there(root / "poses.txt")) poses_ = read_poses(root / "poses.txt", frames_.back());
@@ -151,7 +143,8 @@ SequenceTruth::SequenceTruth(const std::string& folder) : folder_(folder) {
   const NumberedFiles disparities = list_pictures(root / "disparity");
   for (const int frame : frames_) {
     const auto found = disparities.find(frame);
-    if (found == disparities.end()) fail(root / "disparity", fmt::format("has no picture of frame {}, negative/ has", frame));
+    if (found == disparities.end())
+      fail_file(root / "disparity", fmt::format("has no picture of frame {}, negative/ has", frame));
     disparities_.push_back(found->second);
   }
 }
@@ -171,7 +164,7 @@ FrameTruth SequenceTruth::read(int position) const {
   const cv::Mat1f disparity = read_disparity(position);
   for (VisibleInstance& visible : truth.instances) {
     const auto instance = std::ranges::find(instances_, visible.id, &InstanceTruth::id);
-    if (instance == instances_.end()) fail(path, fmt::format("holds id {}, which instances.yaml lacks", visible.id));
+    if (instance == instances_.end()) fail_file(path, fmt::format("holds id {}, which instances.yaml lacks", visible.id));
     visible.depth_m = instance->depth_m;
     if (!truth.world_from_camera || !camera_ || instance->opening.empty()) continue;
     const Eigen::Isometry3d camera_from_world = truth.world_from_camera->inverse();

@@ -21,15 +21,19 @@ void check_count(const std::string& path, const std::string& field, std::size_t 
   if (count != expected) fail_file(path, fmt::format("{} has {} numbers, expected {}", field, count, expected));
 }
 
-YAML::Node parse_opencv_yaml(const std::string& path, std::string text, const std::string& expected) {
-  if (text.starts_with('%')) text.erase(0, text.find('\n'));
+YAML::Node parse_yaml(const std::string& path, const std::string& text) {
   try {
-    YAML::Node root = YAML::Load(text);
-    if (!root.IsMap()) fail_file(path, "holds no fields, expected " + expected);
-    return root;
+    return YAML::Load(text);
   } catch (const YAML::Exception& error) {
     fail_file(path, fmt::format("is not YAML: line {}: {}", error.mark.line + 1, error.msg));
   }
+}
+
+YAML::Node parse_opencv_yaml(const std::string& path, std::string text, const std::string& expected) {
+  if (text.starts_with('%')) text.erase(0, text.find('\n'));
+  YAML::Node root = parse_yaml(path, text);
+  if (!root.IsMap()) fail_file(path, "holds no fields, expected " + expected);
+  return root;
 }
 
 std::vector<double> read_numbers(const std::string& path, const std::string& field, const YAML::Node& matrix,

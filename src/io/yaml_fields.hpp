@@ -17,6 +17,9 @@ double read_number(const std::string& path, const std::string& field, std::size_
 
 void check_count(const std::string& path, const std::string& field, std::size_t count, std::size_t expected);
 
+/// The fault of a text that is no YAML names the line.
+YAML::Node parse_yaml(const std::string& path, const std::string& text);
+
 /// YAML as OpenCV writes it: with "%YAML:1.0" in the first line, which YAML does not know.
 /// @param expected what fields it should have, for the message when it has none.
 YAML::Node parse_opencv_yaml(const std::string& path, std::string text, const std::string& expected);

@@ -31,7 +31,8 @@ void write_sequence(const std::string& folder) {
   negative(kHole).setTo(1);
   std::vector<double> times;
   for (int frame = 0; frame < kFrames; ++frame) {
-    writer.write_pictures(frame, cv::Mat3b(kSize, cv::Vec3b(90, 90, 90)), cv::Mat3b(kSize, cv::Vec3b(90, 90, 90)), 0);
+    const cv::Mat3b picture(kSize, cv::Vec3b::all(static_cast<uchar>(90 + frame)));  // tells which frame it is
+    writer.write_pictures(frame, picture, picture, 0);
     writer.write_truth(frame, cv::Mat1f(kSize, 1.0F), negative);
     times.push_back(frame / kFps);
   }
@@ -165,6 +166,36 @@ TEST_F(Evaluate, DrawsAndExplainsMisses) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "gallery/miss_02.png"));  // the same instance all the time
   EXPECT_NE(read_file(folder_ / "gallery/causes.md").find("| no region | 24 | 100.0 | 1 |"), std::string::npos)
       << read_file(folder_ / "gallery/causes.md");
+}
+
+TEST_F(Evaluate, DrawsTheFrameOfTheMaskWhereOthersHaveNone) {
+  for (int frame = 0; frame < 20; ++frame) {
+    std::filesystem::remove(folder_ / fmt::format("suite/walk/negative/{:06}.png", frame));
+    std::filesystem::remove(folder_ / fmt::format("suite/walk/disparity/{:06}.png", frame));
+  }
+  std::string last;
+  for (const std::string& line : lines_of(detections({}))) {
+    if (Json::parse(line)["frame"] >= 20) last += line + "\n";
+  }
+  const std::string arguments = folder_.add("last.jsonl", last) + truth_ + " --gallery " + folder_ / "gallery";
+  const CommandResult result = run_command("evaluate " + arguments);
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  // All are equally near: the first one that is settled, six frames after the first mask.
+  const cv::Mat picture = read_picture(folder_ / "gallery/miss_01.png");
+  EXPECT_EQ(picture.at<cv::Vec3b>(60, 10), cv::Vec3b::all(90 + 26));
+}
+
+TEST_F(Evaluate, ExplainsAFalseAlarmWithoutAGround) {
+  std::string text;
+  for (const std::string& line : lines_of(detections({obstacle({10, 10, 30, 30}, 2.0)}))) {
+    Json json = Json::parse(line);
+    json["ground"] = {{"state", "not_visible"}, {"reason", "dark"}, {"confidence", 0.0}};
+    text += json.dump() + "\n";
+  }
+  const std::string arguments = folder_.add("blind.jsonl", text) + truth_ + " --gallery " + folder_ / "gallery";
+  const CommandResult result = run_command("evaluate " + arguments);
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_NE(read_file(folder_ / "gallery/causes.md").find("below_ground without a ground"), std::string::npos);
 }
 
 // Half of the picture's upper part, where the true surface is 15 m away: far above a ground 1.6 m below the camera.
