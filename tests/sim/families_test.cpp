@@ -22,8 +22,8 @@ constexpr double kFps = 15.0;
 constexpr int kNotLabelled = 255;
 
 const std::map<std::string, int>& frames_of() {
-  static const std::map<std::string, int> frames{{"stairs", 213}, {"platform", 300}, {"manholes", 277},
-                                                 {"street", 300}, {"control", 300},  {"motion", 376}};
+  static const std::map<std::string, int> frames{{"stairs", 213},  {"platform", 300}, {"manholes", 277}, {"street", 300},
+                                                 {"control", 300}, {"motion", 376},   {"crowd", 376}};
   return frames;
 }
 
@@ -326,10 +326,10 @@ TEST_P(EveryFamily, EqualsItselfAndDiffersFromTheNextSeed) {
 INSTANTIATE_TEST_SUITE_P(Families, EveryFamily, testing::ValuesIn(make_cases()),
                          [](const auto& each) { return each.param.family + std::to_string(each.param.seed); });
 
-TEST(Families, AreTheSixInTheirOrder) {
+TEST(Families, AreTheSevenInTheirOrder) {
   std::vector<std::string> names;
   for (const Family& family : families()) names.emplace_back(family.name);
-  EXPECT_EQ(names, (std::vector<std::string>{"stairs", "platform", "manholes", "street", "control", "motion"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"stairs", "platform", "manholes", "street", "control", "motion", "crowd"}));
 }
 
 TEST(Families, ComeNearerThanThreeMetresToEveryInstance) {
@@ -386,7 +386,7 @@ TEST(Families, RefuseWhatTheyDoNotKnow) {
   using brink::test::error_of;
   using brink::test::expect_line_with;
   const std::string family = error_of<std::invalid_argument>([] { make_world("beach", 1, 10.0); });
-  expect_line_with(family, "family = beach, must be stairs, platform, manholes, street, control, motion");
+  expect_line_with(family, "family = beach, must be stairs, platform, manholes, street, control, motion, crowd");
   const std::string light = error_of<std::invalid_argument>([] { make_world("stairs", 1, 10.0, "fog"); });
   expect_line_with(light, "light = fog, must be sunny, overcast or dusk");
   for (const double duration : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {

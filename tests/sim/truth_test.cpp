@@ -250,6 +250,33 @@ TEST_P(TruthOf, TheRimOfEveryObstacleIsTheEdgeOfItsMask) {
   EXPECT_EQ(seen > 0, has_obstacles);
 }
 
+// The same walk with and without those who move: where the truth differs, somebody moves.
+TEST(Crowd, TakesAboutAThirdOfThePicture) {
+  for (const int seed : {1, 2, 3, 4}) {
+    SimulationParams params = small_walk("crowd");
+    params.seed = seed;
+    params.width = 160;
+    params.height = 90;
+    params.focal_px = 87.5;
+    Simulator simulator(params);
+    const World world = make_world("crowd", seed, params.frames / params.fps + 1.0, params.light);  // as it does
+    Scene empty = world.scene;
+    std::erase_if(empty.meshes, [](const Mesh& mesh) { return mesh.body >= 0; });
+    Renderer renderer(empty);
+    const HeadMotion motion(world.walk, [&](double x, double y, double z) { return renderer.ground_height(x, y, z); });
+    double share = 0.0;
+    for (int frame = 0; frame < params.frames; ++frame) {
+      const double time = simulator.time(frame);
+      const cv::Mat1f with = simulator.truth(frame).disparity;
+      const cv::Mat1f without = renderer.trace(simulator.camera(), with.size(), motion(time), time).disparity;
+      share += static_cast<double>(cv::countNonZero(with != without)) / static_cast<double>(with.total()) / params.frames;
+    }
+    std::printf("crowd, seed %d: those who move take %.3f of the picture\n", seed, share);
+    EXPECT_GT(share, 0.25);
+    EXPECT_LT(share, 0.45);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Families, TruthOf, testing::Values("stairs", "platform", "manholes", "street", "control", "motion"),
                          [](const testing::TestParamInfo<const char*>& family) { return std::string(family.param); });
 

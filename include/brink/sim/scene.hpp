@@ -111,7 +111,7 @@ struct Family {
   const char* meaning;  ///< one line
 };
 
-/// The ready-made families: stairs, platform, manholes, street, control, motion.
+/// The ready-made families: stairs, platform, manholes, street, control, motion, crowd.
 const std::vector<Family>& families();
 
 /// A world of a family, varied by the seed in layout, sizes, materials, light, path, walking speed and camera height.

@@ -80,13 +80,15 @@ void build_manholes(Site& site);
 void build_street(Site& site);
 void build_control(Site& site);
 void build_motion(Site& site);
+void build_crowd(Site& site);
 
-/// A place without any hole around a given path: control and motion.
+/// A place without any hole around a given path: control, motion and crowd.
 struct OpenPlace {
   Line approach;
   int solids;
   int flats;
   int people;
+  bool ramps = true;
 };
 void build_open_place(Site& site, const OpenPlace& place);
 

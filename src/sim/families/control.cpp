@@ -62,7 +62,7 @@ void build_open_place(Site& site, const OpenPlace& place) {
   const double end = high.x();
   const double side = random.sign();
   site.set_path(place.approach, {{end + 1.5, 1.5 * side}, {end, 3.2 * side}, {begin, 3.2 * side}, {begin - 1.5, 1.5 * side}});
-  site.profile = make_ramps(random, random.uniform(std::max(begin, end - site.path_length()), end - 6.0));
+  if (place.ramps) site.profile = make_ramps(random, random.uniform(std::max(begin, end - site.path_length()), end - 6.0));
 
   const Eigen::AlignedBox2d ground(Eigen::Vector2d(begin - 6.0, -4.5), Eigen::Vector2d(end + 12.0, 4.5));
   const Eigen::AlignedBox2d area(Eigen::Vector2d(ground.min().x(), -7.0), Eigen::Vector2d(ground.max().x(), 7.0));
