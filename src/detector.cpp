@@ -35,6 +35,7 @@ DetectorParams DetectorParams::brink() { return {}; }
 DetectorParams DetectorParams::paper() {
   DetectorParams params;
   params.disparity.elas = ElasParams::paper();
+  params.ground = GroundParams::paper();
   params.candidates = CandidateParams::paper();
   params.tracking = TrackingParams::paper();
   return params;
@@ -107,6 +108,10 @@ Detection Detector::process(const Frame& frame) {
   if (detection.ground.plane) {
     const GroundPlane& ground = *detection.ground.plane;
     detection.elevation = compute_elevation(detection.disparity, ground, frame.camera);
+    if (params_.ground.follow) {
+      detection.elevation =
+          follow_ground(detection.elevation, detection.disparity, detection.ground.pose, frame.camera, params_.ground);
+    }
     detection.times.ground = stage.lap_ms();
 
     // III.C.3 Candidates: Type 1, then Type 2

@@ -21,10 +21,15 @@ enum class CandidateType : std::uint8_t {
 std::string to_string(CandidateType type);
 
 struct CandidateParams {
-  double ground_tolerance_m = 0.10;    ///< T_g: a pixel nearer to the ground than this is a ground pixel
-  double min_depth_m = 0.15;           ///< T_e1: Type 1 lies at least this far below the ground
-  double rim_depth_ratio = 0.4;        ///< Type 1 is drawn out to where the surface is this share of min_depth_m down; 1 = not
-  double min_slope_deg = 10.0;         ///< Type 1: a quarter of its rim must be steeper than a slope that people walk; 0 = any
+  double ground_tolerance_m = 0.10;  ///< T_g: a pixel nearer to the ground than this is a ground pixel
+  double min_depth_m = 0.15;         ///< T_e1: Type 1 lies at least this far below the ground
+  double rim_depth_ratio = 0.4;      ///< Type 1 is drawn out to where the surface is this share of min_depth_m down; 1 = not
+  double min_slope_deg = 10.0;       ///< Type 1: a quarter of its rim must be steeper than a slope that people walk; 0 = any
+  double max_share_beyond = 0.5;   ///< Type 1: at most this share of it may lie beyond its far rim, as mirrors show it; 1 = all
+  double min_ground_misfit = 0.2;  ///< Type 1: the ground must explain the pictures worse by this share; 0 = no test
+  double max_share_standing = 0.5;     ///< Type 2: at most this share of its border may stand above the ground; 1 = no test
+  int touching_gap_px = 12;            ///< pixels without disparity between a region and what it touches, at most
+  double disparity_sd_px = 0.3;        ///< standard deviation of a disparity
   int below_ground_min_area_px = 150;  ///< T_a1: area must be greater
   int no_disparity_min_area_px = 150;  ///< T_a2: area must be greater
   int min_touching_px = 5;             ///< pixels of the other kind in the 1-px ring that count as touching
@@ -33,13 +38,16 @@ struct CandidateParams {
   double max_range_m = 8.0;     ///< candidates are looked for up to this distance in the ground plane
   int min_listed_area_px = 30;  ///< smaller regions are specks: not even listed as rejected
 
-  static CandidateParams paper();  ///< without what brink adds: rim_depth_ratio 1, min_slope_deg 0, border_px 0
-  void validate() const;           ///< @throws std::invalid_argument "candidates.name = value, must be ..."
+  /// Without what brink adds: rim_depth_ratio 1, min_slope_deg 0, max_share_beyond 1, min_ground_misfit 0,
+  /// max_share_standing 1, touching_gap_px 0, border_px 0.
+  static CandidateParams paper();
+  void validate() const;  ///< @throws std::invalid_argument "candidates.name = value, must be ..."
 };
 
 /// The rule that a region failed, with its value and its limit. All in the unit that the rule's parameter has.
 struct Rejection {
-  std::string rule;  ///< "area", "touches_valid", "touches_ground", "slope", "black", "contour"
+  std::string rule;  ///< "area", "touches_valid", "touches_ground", "slope", "beyond_rim", "like_ground", "black", "standing",
+                     ///< "contour"
   double value = 0.0;
   double limit = 0.0;
 };

@@ -62,6 +62,12 @@ struct GroundParams {
   int seed = 1;                         ///< of the random line hypotheses
   double seen_confidence = 0.5;         ///< confidence from which the ground counts as seen
   double uncertain_confidence = 0.25;   ///< confidence from which it counts as uncertain; not visible below
+  bool follow = true;                   ///< follow the surface where it bends away from the plane: ramps, crests, crossfall
+  double follow_slope_deg = 10.0;       ///< steepest surface that is followed
+  double follow_cell_m = 0.2;           ///< the surface is followed in square cells of this size
+  double follow_reach_m = 0.8;          ///< the slope must hold towards all of it that is this near
+  double follow_extent_m = 1.0;         ///< smaller bends are none: shallow holes
+  static GroundParams paper();          ///< without what brink adds: follow false
   void validate() const;                ///< @throws std::invalid_argument "ground.name = value, must be ..."
 };
 
@@ -91,5 +97,14 @@ GroundEstimate estimate_ground(const cv::Mat1f& disparity, const StereoCamera& c
 /// Height of every valid pixel over the ground, m, along the ground's normal, up positive; NaN where the disparity is invalid
 /// or 0.
 cv::Mat1f compute_elevation(const cv::Mat1f& disparity, const GroundPlane& ground, const StereoCamera& camera);
+
+/// Elevation over the ground's own surface instead of its plane: from where it lies on the plane the ground is followed, seen
+/// from above, over slopes that people walk. A drop is steeper than these, also where it is seen along its own ray only, and
+/// stays what it is. Where nothing was followed, the nearest followed place tells the height of the ground.
+/// @param elevation over the plane, m, NaN = none. @param disparity px, of the same size. @param pose of the plane.
+/// @return elevation over the followed ground, m, NaN where elevation is. @throws std::invalid_argument when the sizes differ
+/// or parameters are not valid.
+cv::Mat1f follow_ground(const cv::Mat1f& elevation, const cv::Mat1f& disparity, const GroundPose& pose,
+                        const StereoCamera& camera, const GroundParams& params = {});
 
 }  // namespace brink

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include "brink/disparity.hpp"
+#include "candidates/far_rim.hpp"
+#include "candidates/ground_hypothesis.hpp"
 #include "candidates/region.hpp"
 #include "candidates/rim_slope.hpp"
 
@@ -65,17 +67,20 @@ PixelKind pixel_kind(float disparity, float elevation, const CandidateParams& pa
 struct Touching {
   int ground = 0;
   int below_ground = 0;
+  int above_ground = 0;
   int valid = 0;
 };
 
-Touching count_touching(const std::vector<cv::Point>& ring, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
+Touching count_touching(const Region& region, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
                         const CandidateParams& params) {
   Touching touching;
-  for (const cv::Point& p : ring) {
+  const cv::Mat1b none(disparity < kLeastDisparity);
+  for (const cv::Point& p : ring_pixels(region, none, params.touching_gap_px)) {
     const PixelKind kind = pixel_kind(disparity(p), elevation(p), params);
     touching.valid += kind != PixelKind::none ? 1 : 0;
     touching.ground += kind == PixelKind::ground ? 1 : 0;
     touching.below_ground += kind == PixelKind::below_ground ? 1 : 0;
+    touching.above_ground += kind == PixelKind::other && elevation(p) > 0.0F ? 1 : 0;
   }
   return touching;
 }
@@ -120,12 +125,12 @@ cv::Scalar compute_mean_color(const Frame& frame, const Region& region) {
   return {grey, grey, grey};
 }
 
-/// Pixels of a region that are set in a mask of the picture's size.
-int count_common(const Region& region, const cv::Mat1b& mask) {
+/// The pixels of a region that are set in a mask of the picture's size, as such a mask.
+cv::Mat1b select_common(const Region& region, const cv::Mat1b& mask) {
   const cv::Rect in_picture = region.box & cv::Rect(cv::Point(0, 0), mask.size());
-  cv::Mat1b common;
-  cv::bitwise_and(mask(in_picture), region.mask(in_picture - region.box.tl()), common);
-  return cv::countNonZero(common);
+  cv::Mat1b common(mask.size(), uchar{0});
+  cv::bitwise_and(mask(in_picture), region.mask(in_picture - region.box.tl()), common(in_picture));
+  return common;
 }
 
 double compute_depth(const Region& region, const cv::Mat1f& elevation) {
@@ -167,6 +172,10 @@ CandidateParams CandidateParams::paper() {
   CandidateParams params;
   params.rim_depth_ratio = 1.0;
   params.min_slope_deg = 0.0;
+  params.max_share_beyond = 1.0;
+  params.min_ground_misfit = 0.0;
+  params.max_share_standing = 1.0;
+  params.touching_gap_px = 0;
   params.border_px = 0;
   return params;
 }
@@ -180,6 +189,11 @@ void CandidateParams::validate() const {
   require_param(min_depth_m > 0.0 && min_depth_m <= 10.0, "min_depth_m", min_depth_m, "above 0 to 10");
   require_param(rim_depth_ratio > 0.0 && rim_depth_ratio <= 1.0, "rim_depth_ratio", rim_depth_ratio, "above 0 to 1");
   require_param(min_slope_deg >= 0.0 && min_slope_deg < 90.0, "min_slope_deg", min_slope_deg, "0 to below 90");
+  require_param(max_share_beyond >= 0.0 && max_share_beyond <= 1.0, "max_share_beyond", max_share_beyond, "0 to 1");
+  require_param(min_ground_misfit >= 0.0 && min_ground_misfit <= 1.0, "min_ground_misfit", min_ground_misfit, "0 to 1");
+  require_param(max_share_standing >= 0.0 && max_share_standing <= 1.0, "max_share_standing", max_share_standing, "0 to 1");
+  require_param(touching_gap_px >= 0 && touching_gap_px <= 1000, "touching_gap_px", touching_gap_px, "0 to 1000");
+  require_param(disparity_sd_px > 0.0 && disparity_sd_px <= 10.0, "disparity_sd_px", disparity_sd_px, "above 0 to 10");
   require_param(below_ground_min_area_px >= 0, "below_ground_min_area_px", below_ground_min_area_px, "0 or more");
   require_param(no_disparity_min_area_px >= 0, "no_disparity_min_area_px", no_disparity_min_area_px, "0 or more");
   require_param(min_touching_px >= 0, "min_touching_px", min_touching_px, "0 or more");
@@ -198,20 +212,30 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
   const cv::Mat1b valid(disparity >= kLeastDisparity);
   const cv::Mat1b deep((elevation <= -params.min_depth_m) & valid & range);
   const cv::Mat1b low((elevation <= -params.min_depth_m * params.rim_depth_ratio) & valid & range);
-  const cv::Mat1b level(valid & ~low);
+  const cv::Mat1b level((elevation > -params.min_depth_m * params.rim_depth_ratio) & valid &
+                        (elevation < params.ground_tolerance_m));
 
   std::vector<Candidate> candidates;
   for (const Region& region : find_regions(low, params.min_listed_area_px)) {
-    const int deep_px = count_common(region, deep);
+    const cv::Mat1b deep_here = select_common(region, deep);
+    const int deep_px = cv::countNonZero(deep_here);
     if (deep_px < params.min_listed_area_px) continue;
     Candidate candidate = measure(frame, region, CandidateType::below_ground, disparity, pose);
     candidate.depth_m = compute_depth(region, elevation);
-    const Touching touching = count_touching(ring_pixels(region), disparity, elevation, params);
+    const Touching touching = count_touching(region, disparity, elevation, params);
     require(candidate, "area", deep_px > params.below_ground_min_area_px, deep_px, params.below_ground_min_area_px);
     require(candidate, "touches_ground", touching.ground >= params.min_touching_px, touching.ground, params.min_touching_px);
     if (params.min_slope_deg > 0.0) {
       const double slope_deg = compute_rim_slope_deg(region, deep, level, disparity, frame.camera, pose);
       require(candidate, "slope", slope_deg >= params.min_slope_deg, slope_deg, params.min_slope_deg);
+    }
+    if (params.max_share_beyond < 1.0) {
+      const double beyond = compute_share_beyond_rim(region, level, disparity, frame.camera, pose, params.disparity_sd_px);
+      require(candidate, "beyond_rim", beyond <= params.max_share_beyond, beyond, params.max_share_beyond);
+    }
+    if (params.min_ground_misfit > 0.0) {
+      const double misfit = compute_ground_misfit(frame, deep_here, disparity, elevation, pose);
+      require(candidate, "like_ground", misfit >= params.min_ground_misfit, misfit, params.min_ground_misfit);
     }
     candidates.push_back(std::move(candidate));
   }
@@ -230,7 +254,7 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
   std::vector<Candidate> candidates;
   for (const Region& region : find_regions(mask, params.min_listed_area_px)) {
     Candidate candidate = measure(frame, region, CandidateType::no_disparity, disparity, pose);
-    const Touching touching = count_touching(ring_pixels(region), disparity, elevation, params);
+    const Touching touching = count_touching(region, disparity, elevation, params);
     const int surface = touching.ground + touching.below_ground;
     const double brightest = std::max({candidate.mean_color[0], candidate.mean_color[1], candidate.mean_color[2]});
     require(candidate, "area", region.area_px > params.no_disparity_min_area_px, region.area_px,
@@ -238,6 +262,10 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
     require(candidate, "touches_valid", touching.valid >= params.min_touching_px, touching.valid, params.min_touching_px);
     require(candidate, "touches_ground", surface >= params.min_touching_px, surface, params.min_touching_px);
     require(candidate, "black", brightest <= params.black_level, brightest, params.black_level);
+    if (params.max_share_standing < 1.0) {
+      const double standing = touching.valid == 0 ? 0.0 : static_cast<double>(touching.above_ground) / touching.valid;
+      require(candidate, "standing", standing <= params.max_share_standing, standing, params.max_share_standing);
+    }
     require(candidate, "contour", !candidate.contour_3d.empty(), 0.0, 1.0);
     candidates.push_back(std::move(candidate));
   }

@@ -68,4 +68,28 @@ std::vector<cv::Point> ring_pixels(const Region& region) {
   return pixels;
 }
 
+std::vector<cv::Point> ring_pixels(const Region& region, const cv::Mat1b& passable, int gap_px) {
+  if (gap_px == 0) return ring_pixels(region);
+  const cv::Rect in_picture = region.box & cv::Rect(cv::Point(0, 0), passable.size());
+  const cv::Rect around =
+      cv::Rect(region.box.tl() - cv::Point(gap_px, gap_px), region.box.size() + cv::Size(2 * gap_px, 2 * gap_px)) &
+      cv::Rect(cv::Point(0, 0), passable.size());
+  cv::Mat1b grown(around.size(), uchar{0});
+  region.mask(in_picture - region.box.tl()).copyTo(grown(in_picture - around.tl()));
+  const cv::Mat1b start = grown.clone();
+  cv::Mat1b wider;
+  for (int i = 0; i < gap_px; ++i) {
+    cv::dilate(grown, wider, cv::Mat());
+    grown = (wider & passable(around)) | start;
+  }
+  cv::dilate(grown, wider, cv::Mat());
+  std::vector<cv::Point> pixels;
+  for (int v = 0; v < around.height; ++v) {
+    for (int u = 0; u < around.width; ++u) {
+      if (wider(v, u) != 0 && grown(v, u) == 0) pixels.emplace_back(around.x + u, around.y + v);
+    }
+  }
+  return pixels;
+}
+
 }  // namespace brink

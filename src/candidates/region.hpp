@@ -24,4 +24,8 @@ std::vector<cv::Point> trace_contour(const cv::Mat1b& mask, const cv::Rect& box)
 /// The pixels of the 1-px ring around a region, in picture coordinates, row by row.
 std::vector<cv::Point> ring_pixels(const Region& region);
 
+/// The same around a region that first grew through the pixels of a mask, by at most gap_px.
+/// @param passable 255 = may be grown through; size of the picture.
+std::vector<cv::Point> ring_pixels(const Region& region, const cv::Mat1b& passable, int gap_px);
+
 }  // namespace brink

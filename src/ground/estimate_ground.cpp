@@ -175,6 +175,12 @@ GroundEstimate not_visible(const std::string& reason) {
 
 }  // namespace
 
+GroundParams GroundParams::paper() {
+  GroundParams params;
+  params.follow = false;
+  return params;
+}
+
 void GroundParams::validate() const {
   const auto require = [](bool valid, const char* name, double value, const char* expected) {
     if (!valid) throw std::invalid_argument(fmt::format("ground.{} = {}, must be {}", name, value, expected));
@@ -190,6 +196,10 @@ void GroundParams::validate() const {
   require(tolerance_ratio >= 0.0 && tolerance_ratio < 0.5, "tolerance_ratio", tolerance_ratio, "0 to below 0.5");
   require(tolerance_px > 0.0 && tolerance_px <= 20.0, "tolerance_px", tolerance_px, "above 0 to 20");
   require(ransac_iterations >= 1 && ransac_iterations <= 100000, "ransac_iterations", ransac_iterations, "1 to 100000");
+  require(follow_slope_deg > 0.0 && follow_slope_deg <= 45.0, "follow_slope_deg", follow_slope_deg, "above 0 to 45");
+  require(follow_cell_m >= 0.05 && follow_cell_m <= 2.0, "follow_cell_m", follow_cell_m, "0.05 to 2");
+  require(follow_reach_m > 0.0 && follow_reach_m <= 5.0, "follow_reach_m", follow_reach_m, "above 0 to 5");
+  require(follow_extent_m >= 0.0 && follow_extent_m <= 100.0, "follow_extent_m", follow_extent_m, "0 to 100");
   require(seed >= 0, "seed", seed, "0 or more");
   require(seen_confidence > 0.0 && seen_confidence <= 1.0, "seen_confidence", seen_confidence, "above 0 to 1");
   require(uncertain_confidence > 0.0 && uncertain_confidence <= seen_confidence, "uncertain_confidence", uncertain_confidence,

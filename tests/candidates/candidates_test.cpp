@@ -220,6 +220,7 @@ TEST_F(Candidates, AllInvalidTouchesNothing) {
 
 TEST_F(Candidates, TouchingMeansFivePixels) {
   see({});
+  params_.max_share_standing = 1.0;
   blacken({300, 200, 30, 20}, {0, 0, 0});
   elevation_(cv::Rect(290, 190, 50, 10)).setTo(1.0F);  // a post above
   elevation_(cv::Rect(290, 200, 10, 20)).setTo(1.0F);
@@ -232,6 +233,75 @@ TEST_F(Candidates, TouchingMeansFivePixels) {
   EXPECT_EQ(no_disparity()[0].rejection->value, 4.0);
   paint(5);
   EXPECT_FALSE(no_disparity()[0].rejection);
+}
+
+TEST_F(Candidates, TouchingReachesAcrossAGapWithoutDisparity) {
+  see({{2.0, 3.0, -0.4, 0.6, 0.5}});
+  cv::Mat1b hole(test::half_size(), uchar{0});
+  cv::fillPoly(hole, std::vector<std::vector<cv::Point>>{below_ground()[0].contour}, cv::Scalar(255));
+  cv::Mat1b band;
+  cv::dilate(hole, band, cv::Mat(), {-1, -1}, 10);
+  band -= hole;
+  disparity_.setTo(kInvalidDisparity, band);
+  elevation_.setTo(std::numeric_limits<float>::quiet_NaN(), band);
+  EXPECT_FALSE(below_ground()[0].rejection);
+  params_.touching_gap_px = 0;
+  ASSERT_TRUE(below_ground()[0].rejection);
+  EXPECT_EQ(below_ground()[0].rejection->rule, "touches_ground");
+}
+
+TEST_F(Candidates, WhatAMirrorShowsLiesBeyondTheFarRim) {
+  see({});
+  const cv::Rect patch(280, 200, 80, 50);  // wet: things behind it show below the ground
+  disparity_(patch) *= 0.6F;
+  elevation_ = compute_elevation(disparity_, plane_, camera_);
+  ASSERT_EQ(below_ground().size(), 1U);
+  ASSERT_TRUE(below_ground()[0].rejection);
+  EXPECT_EQ(below_ground()[0].rejection->rule, "beyond_rim");
+  EXPECT_GT(below_ground()[0].rejection->value, 0.9);
+  params_.max_share_beyond = 1.0;
+  EXPECT_FALSE(below_ground()[0].rejection);
+}
+
+TEST_F(Candidates, ABlackPostStandsAboveTheGroundAroundIt) {
+  see({});
+  blacken({300, 200, 30, 40}, {10, 10, 10});
+  EXPECT_FALSE(no_disparity()[0].rejection);
+  elevation_(cv::Rect(290, 190, 50, 10)).setTo(0.4F);  // the seat of a bench, on the post
+  elevation_(cv::Rect(330, 200, 10, 40)).setTo(0.2F);  // its side, at its own distance
+  ASSERT_TRUE(no_disparity()[0].rejection);
+  EXPECT_EQ(no_disparity()[0].rejection->rule, "standing");
+  EXPECT_GT(no_disparity()[0].rejection->value, 0.4);
+}
+
+/// The right picture of a scene, from its left picture and disparities; what is nearer hides what is farther.
+cv::Mat1b warp_to_right(const cv::Mat1b& left, const cv::Mat1f& disparity) {
+  cv::Mat1b right(left.size(), uchar{0});
+  cv::Mat1f nearest(left.size(), 0.0F);
+  for (int v = 0; v < left.rows; ++v) {
+    for (int u = 0; u < left.cols; ++u) {
+      const int column = u - static_cast<int>(std::lround(disparity(v, u)));
+      if (column < 0 || disparity(v, u) <= nearest(v, column)) continue;
+      nearest(v, column) = disparity(v, u);
+      right(v, column) = left(v, u);
+    }
+  }
+  return right;
+}
+
+TEST_F(Candidates, WhatTheGroundExplainsAsWellIsGround) {
+  see({});
+  const cv::Mat1f flat = disparity_.clone();
+  see({{2.0, 3.0, -0.4, 0.6, 0.5}});
+  cv::Mat1b texture(test::half_size());
+  cv::RNG(3).fill(texture, cv::RNG::UNIFORM, 0, 255);
+  cv::GaussianBlur(texture, texture, {5, 5}, 1.5);
+  frame_ = make_frame(texture, warp_to_right(texture, disparity_), camera_);
+  EXPECT_FALSE(below_ground()[0].rejection) << "the pictures show a hole";
+  frame_ = make_frame(texture, warp_to_right(texture, flat), camera_);
+  ASSERT_TRUE(below_ground()[0].rejection) << "the pictures show ground, whatever the disparities say";
+  EXPECT_EQ(below_ground()[0].rejection->rule, "like_ground");
+  EXPECT_LT(below_ground()[0].rejection->value, 0.05);
 }
 
 TEST_F(Candidates, GreyPicturesUseTheMeanGrey) {

@@ -1,0 +1,95 @@
+#include "candidates/ground_hypothesis.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <opencv2/imgproc.hpp>
+
+namespace brink {
+namespace {
+
+constexpr int kRadius = 3;  // px, half of the compared window
+constexpr int kWidth = 2 * kRadius + 1;
+constexpr double kApart = 1.0;      // px between the hypotheses, at least: nearer ones cannot be told apart
+constexpr double kSlack = 0.5;      // px that either hypothesis may be off
+constexpr double kContrast = 1.0;   // grey levels, standard deviation in a window, at least: less is noise
+constexpr int kTargetPixels = 400;  // of a region, evenly spread
+constexpr int kFewest = 20;
+
+/// Whether a window of the left picture has contrast: without it, it looks alike everywhere.
+bool has_contrast(const cv::Mat1b& picture, int u, int v) {
+  const cv::Rect window(u - kRadius, v - kRadius, kWidth, kWidth);
+  if ((window & cv::Rect(cv::Point(0, 0), picture.size())) != window) return false;
+  cv::Scalar mean;
+  cv::Scalar deviation;
+  cv::meanStdDev(picture(window), mean, deviation);
+  return deviation[0] >= kContrast;
+}
+
+/// Mean absolute difference of the window around (u, v) in the left picture to that at u - disparity in the right one, their
+/// means set equal; empty where a window leaves its picture.
+std::optional<double> compare(const Frame& frame, int u, int v, double disparity) {
+  const double right_u = u - disparity;
+  const int first = static_cast<int>(std::floor(right_u)) - kRadius;
+  const double part = right_u - std::floor(right_u);
+  if (u < kRadius || v < kRadius || u + kRadius >= frame.left.cols || v + kRadius >= frame.left.rows) return std::nullopt;
+  if (first < 0 || first + kWidth >= frame.right.cols) return std::nullopt;
+  std::array<double, static_cast<std::size_t>(kWidth) * kWidth> differences{};
+  double mean = 0.0;
+  std::size_t i = 0;
+  for (int dv = -kRadius; dv <= kRadius; ++dv) {
+    const uchar* left = frame.left[v + dv] + u - kRadius;
+    const uchar* right = frame.right[v + dv] + first;
+    for (int k = 0; k < kWidth; ++k, ++i) {
+      differences.at(i) = left[k] - ((1.0 - part) * right[k] + part * right[k + 1]);
+      mean += differences.at(i) / static_cast<double>(differences.size());
+    }
+  }
+  double sum = 0.0;
+  for (const double difference : differences) sum += std::abs(difference - mean);
+  return sum / static_cast<double>(differences.size());
+}
+
+/// The best comparison with the hypothesis a little off to either side.
+std::optional<double> compare_around(const Frame& frame, int u, int v, double disparity) {
+  std::optional<double> best;
+  for (const double off : {-kSlack, 0.0, kSlack}) {
+    const std::optional<double> cost = compare(frame, u, v, disparity + off);
+    if (cost && (!best || *cost < *best)) best = cost;
+  }
+  return best;
+}
+
+}  // namespace
+
+double compute_ground_misfit(const Frame& frame, const cv::Mat1b& deep, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
+                             const GroundPose& pose) {
+  if (frame.right.empty()) return 1.0;
+  const cv::Rect box = cv::boundingRect(deep);
+  const double area = cv::countNonZero(deep);
+  const int step = std::max(1, static_cast<int>(std::sqrt(area / kTargetPixels)));
+  int judged = 0;
+  double own_sum = 0.0;
+  double ground_sum = 0.0;
+  for (int v = box.y; v < box.br().y; v += step) {
+    for (int u = box.x; u < box.br().x; u += step) {
+      if (deep(v, u) == 0) continue;
+      const double d = disparity(v, u);
+      const double ground = d * (1.0 - elevation(v, u) / pose.height_m);  // e = h (1 - d_ground / d)
+      if (ground - d < kApart || !has_contrast(frame.left, u, v)) continue;
+      const std::optional<double> own = compare_around(frame, u, v, d);
+      const std::optional<double> grounds = compare_around(frame, u, v, ground);
+      if (!own || !grounds) continue;
+      ++judged;
+      own_sum += *own;
+      ground_sum += *grounds;
+    }
+  }
+  if (judged < kFewest || ground_sum == 0.0) return 1.0;
+  return std::max(0.0, 1.0 - own_sum / ground_sum);
+}
+
+}  // namespace brink

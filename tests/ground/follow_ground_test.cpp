@@ -1,0 +1,136 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "brink/disparity.hpp"
+#include "brink/ground.hpp"
+#include "synthetic_scene.hpp"
+
+namespace brink {
+namespace {
+
+/// Surfaces that depend on the distance ahead only, seen by a camera 1.6 m up, pitched down by 30 degrees.
+class FollowGround : public testing::Test {
+ protected:
+  /// @param height of the surface at a distance ahead, m. Rays are followed in small steps.
+  void see(const std::function<double(double)>& height) {
+    disparity_ = cv::Mat1f(test::half_size(), kInvalidDisparity);
+    for (int v = 0; v < disparity_.rows; ++v) {
+      const Eigen::Vector3d ray(0.0, (v - camera_.cy) / camera_.focal, 1.0);
+      const double descent = pose_.down.dot(ray);
+      if (descent <= 0.0) continue;
+      constexpr double kStep = 0.002;  // m along the ray
+      constexpr double kFarthest = 20.0;
+      for (double s = 0.5; s < kFarthest; s += kStep) {
+        const Eigen::Vector3d point = s * ray;
+        if (pose_.elevation(point) > height(pose_.forward.dot(point))) continue;
+        disparity_.row(v).setTo(camera_.focal * camera_.baseline / point.z());
+        break;
+      }
+    }
+    plain_ = compute_elevation(disparity_, plane_, camera_);
+    followed_ = follow_ground(plain_, disparity_, pose_, camera_, params_);
+  }
+  /// The elevations up to a distance, in the middle of the picture.
+  [[nodiscard]] std::vector<float> elevations(const cv::Mat1f& elevation, double until_m) const {
+    std::vector<float> all;
+    for (int v = 0; v < elevation.rows; ++v) {
+      const double d = disparity_(v, kMiddle);
+      if (d > 0.0 && pose_.distance(camera_.triangulate(camera_.cx, v, d)) <= until_m) all.push_back(elevation(v, kMiddle));
+    }
+    return all;
+  }
+  [[nodiscard]] float lowest(const cv::Mat1f& elevation, double until_m) const {
+    return std::ranges::min(elevations(elevation, until_m));
+  }
+  [[nodiscard]] float highest(const cv::Mat1f& elevation, double until_m) const {
+    return std::ranges::max(elevations(elevation, until_m));
+  }
+
+  static constexpr int kMiddle = 320;
+  StereoCamera camera_ = test::half_size_camera();
+  GroundPlane plane_ = make_ground_plane(1.6, 30.0, 0.0, camera_);
+  GroundPose pose_ = compute_ground_pose(plane_, camera_);
+  GroundParams params_;
+  cv::Mat1f disparity_;
+  cv::Mat1f plain_;
+  cv::Mat1f followed_;
+};
+
+double tangent(double degrees) { return std::tan(degrees * std::numbers::pi / 180.0); }
+
+TEST_F(FollowGround, LeavesAPlaneAlone) {
+  see([](double) { return 0.0; });
+  EXPECT_GT(lowest(plain_, 8.0), -0.02F);
+  EXPECT_GT(lowest(followed_, 8.0), -0.02F);
+}
+
+TEST_F(FollowGround, GoesDownARamp) {
+  for (const double slope : {3.0, 5.0, 8.0}) {
+    SCOPED_TRACE(slope);
+    see([slope](double ahead) { return ahead < 2.5 ? 0.0 : -tangent(slope) * (ahead - 2.5); });
+    EXPECT_LT(lowest(plain_, 7.0), -tangent(slope) * 4.3);
+    EXPECT_GT(lowest(followed_, 7.0), -0.05F);
+  }
+}
+
+TEST_F(FollowGround, GoesUpARamp) {
+  see([](double ahead) { return ahead < 2.5 ? 0.0 : tangent(6.0) * (ahead - 2.5); });
+  EXPECT_GT(highest(plain_, 7.0), 0.4F);
+  EXPECT_LT(highest(followed_, 7.0), 0.06F);
+}
+
+TEST_F(FollowGround, StopsAtAStep) {
+  for (const double depth : {0.15, 0.3, 1.0}) {
+    for (const double rim : {1.5, 3.0, 4.5}) {
+      SCOPED_TRACE(testing::Message() << depth << " m down at " << rim << " m");
+      see([&](double ahead) { return ahead < rim ? 0.0 : -depth; });
+      EXPECT_NEAR(lowest(followed_, 8.0), -depth, 0.03);
+    }
+  }
+}
+
+TEST_F(FollowGround, StopsAtStairs) {
+  see([](double ahead) { return ahead < 2.0 ? 0.0 : -0.16 * (1.0 + std::floor((ahead - 2.0) / 0.33)); });
+  EXPECT_LT(lowest(followed_, 4.0), -0.7F);
+}
+
+TEST_F(FollowGround, StopsAtAKerbBelowARamp) {
+  see([](double ahead) {
+    return ahead < 1.8 ? 0.0 : -tangent(6.0) * (std::min(ahead, 3.5) - 1.8) - (ahead < 3.5 ? 0.0 : 0.2);
+  });
+  EXPECT_NEAR(lowest(followed_, 5.0), -0.2, 0.04);
+}
+
+TEST_F(FollowGround, LeavesAShallowBowlWhatItIs) {
+  see([](double ahead) { return ahead < 2.0 || ahead > 2.7 ? 0.0 : -0.05 * std::sin((ahead - 2.0) / 0.7 * std::numbers::pi); });
+  EXPECT_NEAR(lowest(followed_, 8.0), -0.05, 0.01);
+}
+
+TEST_F(FollowGround, HasNoElevationWhereThereIsNone) {
+  see([](double) { return 0.0; });
+  disparity_(cv::Rect(100, 200, 50, 50)).setTo(kInvalidDisparity);
+  plain_ = compute_elevation(disparity_, plane_, camera_);
+  followed_ = follow_ground(plain_, disparity_, pose_, camera_, params_);
+  EXPECT_EQ(cv::countNonZero(cv::Mat1b(followed_ == followed_) != cv::Mat1b(plain_ == plain_)), 0);
+  const cv::Mat1f none(7, 5, std::numeric_limits<float>::quiet_NaN());
+  const cv::Mat1f followed = follow_ground(none, cv::Mat1f(7, 5, kInvalidDisparity), pose_, camera_, params_);
+  EXPECT_EQ(cv::countNonZero(followed == followed), 0);
+  EXPECT_TRUE(follow_ground({}, {}, pose_, camera_, params_).empty());
+}
+
+TEST_F(FollowGround, RefusesWhatDoesNotFit) {
+  EXPECT_THROW(static_cast<void>(follow_ground(cv::Mat1f(3, 3), cv::Mat1f(3, 4), pose_, camera_, params_)),
+               std::invalid_argument);
+  params_.follow_cell_m = 0.0;
+  EXPECT_THROW(static_cast<void>(follow_ground({}, {}, pose_, camera_, params_)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace brink
