@@ -156,14 +156,36 @@ bool looks_like_kitti(const std::string& text) {
   });
 }
 
-}  // namespace
-
-StereoCalibration read_calibration(const std::string& path, CameraPair pair) {
-  const std::string text = read_file(path);
+StereoCalibration read_text(const std::string& path, const std::string& text, CameraPair pair) {
   if (text.starts_with("%YAML") || text.find("opencv-matrix") != std::string::npos) return read_opencv(path, text);
   if (looks_like_kitti(text)) return read_kitti(path, text, pair);
   fail_file(path,
             "is not a calibration that this version knows, expected KITTI calib.txt (P0: ... P3: ...) or OpenCV stereo YAML");
+}
+
+}  // namespace
+
+StereoCalibration read_calibration(const CalibrationFiles& files, cv::Size picture_size, CameraPair pair) {
+  const std::string& path = files.path;
+  const std::string text = read_file(path);
+  StereoCalibration calibration = read_text(path, text, pair);
+  if (calibration.size.empty()) calibration.size = picture_size;
+  return calibration;
+}
+
+StereoCalibration read_depth_calibration(const CalibrationFiles& files, cv::Size picture_size, CameraPair pair) {
+  return read_calibration(files, picture_size, pair);
+}
+
+std::string describe(const StereoCalibration& calibration) {
+  const auto angle = [&](int side) { return 2.0 * std::atan(side / (2.0 * calibration.camera.focal)) * 180.0 / CV_PI; };
+  const cv::Size& size = calibration.size;
+  std::string text = calibration.source;
+  if (!size.empty()) text += fmt::format(", {}x{} px", size.width, size.height);
+  text += fmt::format(", focal length {:.2f} px, baseline {:.4f} m", calibration.camera.focal, calibration.camera.baseline);
+  if (calibration.single) text += " (nominal: the file is about one camera)";
+  if (!size.empty()) text += fmt::format(", field of view {:.0f} x {:.0f} degrees", angle(size.width), angle(size.height));
+  return text + (calibration.rectification ? ", rectified on the fly" : ", rectified already");
 }
 
 }  // namespace brink

@@ -32,14 +32,20 @@ std::vector<FrameStamp> stamps_of(const std::vector<FrameFiles>& files) {
   return stamps;
 }
 
-Sequence open_kitti(const fs::path& folder, std::optional<double> fps) {
+/// The folder's own calibration unless another one is given.
+CalibrationFiles files_of(const fs::path& folder, CalibrationFiles given) {
+  if (given.path.empty()) given.path = (folder / "calib.txt").string();
+  return given;
+}
+
+Sequence open_kitti(const fs::path& folder, std::optional<double> fps, const CalibrationFiles& given) {
   const std::optional<Eyes> eyes = find_eyes(folder);
   if (!eyes) {
     throw std::runtime_error(folder.string() +
                              ": no pictures, expected folders image_2 and image_3 (colour), image_0 and image_1 (grey), or "
                              "mav0 (EuRoC/ASL)");
   }
-  const StereoCalibration calibration = read_calibration((folder / "calib.txt").string(), eyes->cameras);
+  const StereoCalibration calibration = read_calibration(files_of(folder, given), {}, eyes->cameras);
   const NumberedFiles left = list_pictures(eyes->left);
   const NumberedFiles right = list_pictures(eyes->right);
   const std::vector<int> left_numbers = numbers_of(left);
@@ -111,17 +117,17 @@ FrameReading Sequence::read(int position) const {
   return reading;
 }
 
-Sequence open_sequence(const std::string& folder, std::optional<double> fps) {
+Sequence open_sequence(const std::string& folder, std::optional<double> fps, const CalibrationFiles& calibration) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) throw std::runtime_error(folder + ": no such folder");
   if (is_euroc(folder)) {
     if (fps) throw std::invalid_argument(fmt::format("fps = {}, must not be given: {} tells the times", *fps, folder));
     return open_euroc(folder);
   }
-  return open_kitti(folder, fps);
+  return open_kitti(folder, fps, calibration);
 }
 
-Sequence open_pair(const std::string& left, const std::string& right, const std::string& calibration) {
+Sequence open_pair(const std::string& left, const std::string& right, const CalibrationFiles& calibration) {
   return {read_calibration(calibration).camera, {{0, 0.0, left, right}}};
 }
 

@@ -106,7 +106,7 @@ Sequence open_folder(const fs::path& folder, const StereoCalibration& calibratio
 
 }  // namespace
 
-Sequence open_side_by_side(const std::string& input, const std::string& calibration, std::optional<double> fps) {
+Sequence open_side_by_side(const std::string& input, const CalibrationFiles& calibration, std::optional<double> fps) {
   if (fps) check_fps(*fps);
   const StereoCalibration known = read_calibration(calibration);
   std::error_code error;

@@ -135,7 +135,7 @@ SequenceTruth::SequenceTruth(const std::string& folder) : folder_(folder) {
   if (is_there(root / "poses.txt")) poses_ = read_poses(root / "poses.txt", frames_.back());
   if (is_there(root / "calib.txt")) {
     const std::optional<Eyes> eyes = find_eyes(root);
-    camera_ = read_calibration((root / "calib.txt").string(), eyes ? eyes->cameras : CameraPair::any).camera;
+    camera_ = read_calibration({(root / "calib.txt").string()}, {}, eyes ? eyes->cameras : CameraPair::any).camera;
   }
   has_instances_ = is_there(root / "instances.yaml");
   if (has_instances_) instances_ = read_instances(root / "instances.yaml");

@@ -154,7 +154,7 @@ TEST_F(BadInput, CommandLine) {
   expect_refusal("detect", 2, "INPUT is required");
   expect_refusal("detect @good.png --quickly", 2, "--quickly");
   expect_refusal("detect @good.png --out @out.jsonl", 2, "--right and --calib are needed");
-  expect_refusal("detect @bad --right @good.png", 2, "--right and --calib go with one picture");
+  expect_refusal("detect @bad --right @good.png", 2, "--right goes with one picture");
   expect_refusal("detect @good.png --right @good.png --calib @good.txt --matcher magic", 2, "--matcher");
   expect_refusal("detect @good.png --right @good.png --calib @good.txt --threads 0", 2, "--threads");
   expect_refusal("detect @good.png --right @good.png --calib @good.txt --threads two", 2, "--threads");

@@ -119,7 +119,8 @@ TEST_F(BadInputKind, OptionsThatDoNotGoTogether) {
   expect_refusal(prose, 2, "walk.mp4 is taken for a side-by-side video: --calib is needed with it");
   expect_refusal(folder + " --side-by-side", 2, "has both eyes side by side: --calib is needed with it");
   expect_refusal(folder + " --side-by-side --right " + picture_ + calib_, 2, "--right goes with one picture");
-  expect_refusal(folder + calib_, 2, "--right and --calib go with one picture, --calib with --side-by-side too");
+  expect_refusal(folder + " --right " + picture_ + calib_, 2, "--right goes with one picture");
+  expect_refusal(folder + " --pictures square", 2, "--pictures");
   expect_refusal(picture_ + " --side-by-side" + calib_, 2, "--side-by-side goes with a folder or a video");
   expect_refusal(picture_ + " --fps 15 --right " + picture_ + calib_, 2, "--fps goes with a sequence");
   expect_refusal(folder + " --side-by-side --fps 0" + calib_, 2, "fps = 0, must be more than 0");

@@ -21,7 +21,7 @@ const char* const kColor =
 
 StereoCalibration read(const std::string& text, CameraPair pair = CameraPair::any) {
   const test::TemporaryFolder folder;
-  return read_calibration(folder.add("calib.txt", text), pair);
+  return read_calibration({folder.add("calib.txt", text)}, {}, pair);
 }
 
 std::string fault(const std::string& text, CameraPair pair = CameraPair::any) {
@@ -115,19 +115,19 @@ TEST(ReadCalibration, NamesTheFaultOfAnOpenCvFile) {
 }
 
 TEST(ReadCalibration, RefusesWhatIsNoCalibration) {
-  test::expect_line_with(test::error_of<std::runtime_error>([] { read_calibration("/nowhere/calib.txt"); }),
+  test::expect_line_with(test::error_of<std::runtime_error>([] { read_calibration({"/nowhere/calib.txt"}); }),
                          "/nowhere/calib.txt: no such file");
-  test::expect_line_with(test::error_of<std::runtime_error>([] { read_calibration("/tmp"); }), "/tmp: is a folder");
+  test::expect_line_with(test::error_of<std::runtime_error>([] { read_calibration({"/tmp"}); }), "/tmp: is a folder");
   test::expect_line_with(fault(""), "is not a calibration that this version knows");
   test::expect_line_with(fault("hello: world\n"), "is not a calibration that this version knows");
 }
 
 TEST(ReadCalibration, ReadsTheRealOnes) {
   BRINK_REQUIRE_DATA(potholes, "pothole_a");
-  expect_camera(read_calibration(potholes + "/calib.txt", CameraPair::color).camera, 690.8755, 532.65, 286.65,
+  expect_camera(read_calibration({potholes + "/calib.txt"}, {}, CameraPair::color).camera, 690.8755, 532.65, 286.65,
                 82.516788 / 690.8755);
   BRINK_REQUIRE_DATA(kitti, "kitti_straight");
-  expect_camera(read_calibration(kitti + "/calib.txt", CameraPair::grey).camera, 707.0912, 601.8873, 183.1104,
+  expect_camera(read_calibration({kitti + "/calib.txt"}, {}, CameraPair::grey).camera, 707.0912, 601.8873, 183.1104,
                 379.8145 / 707.0912);
 }
 

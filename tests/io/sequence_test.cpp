@@ -219,7 +219,7 @@ TEST(OpenSequence, RefusesWrongTimes) {
 TEST(OpenPair, IsASequenceOfOneFrame) {
   const test::TemporaryFolder folder;
   const Sequence sequence =
-      open_pair(folder.add("l.png", picture(1)), folder.add("r.png", picture(2)), folder.add("calib.txt", kCalibration));
+      open_pair(folder.add("l.png", picture(1)), folder.add("r.png", picture(2)), {folder.add("calib.txt", kCalibration)});
   ASSERT_EQ(sequence.size(), 1);
   EXPECT_EQ(sequence.read(0).status, FrameStatus::ok);
   EXPECT_EQ(sequence.camera().focal, 710);
