@@ -43,7 +43,7 @@ Sequence open_pair_of(const InputOptions& options) {
   if (options.right.empty() || options.calibration.path.empty()) {
     throw std::invalid_argument(options.input + " is one picture: --right and --calib are needed with it");
   }
-  return open_pair(options.input, options.right, options.calibration);
+  return announced(open_pair(options.input, options.right, options.calibration));
 }
 
 Sequence open_folder_of(const InputOptions& options) {
@@ -98,8 +98,8 @@ DetectorParams make_params(const MethodOptions& options) {
 void add_input_options(CLI::App& command, InputOptions& options) {
   command
       .add_option("INPUT", options.input,
-                  "Folder of a sequence in the KITTI layout or of EuRoC/ASL, which is rectified on the fly; a video with both "
-                  "eyes side by side; or the left picture of one pair (PNG or JPEG, 8 bit, rectified)")
+                  "Folder of a sequence in the KITTI layout or of EuRoC/ASL; a video with both "
+                  "eyes side by side; or the left picture of one pair (PNG or JPEG, 8 bit)")
       ->required();
   command.add_option("--right", options.right, "Right picture of the pair")->type_name("FILE");
   command

@@ -24,20 +24,6 @@ struct RectifiedViews {
   cv::Matx33d projection;  ///< of both
 };
 
-RectifiedViews rectify_by_opencv(const LensCamera& left, const LensCamera& right, const cv::Matx33d& rotation,
-                                 const cv::Vec3d& translation) {
-  RectifiedViews views;
-  cv::Matx34d left_projection;
-  cv::Matx34d right_projection;
-  cv::Matx44d reprojection;
-  constexpr double kNoBlackBorder = 0.0;
-  cv::stereoRectify(matrix_of(left), left.distortion, matrix_of(right), right.distortion, left.size, rotation, translation,
-                    views.left_rotation, views.right_rotation, left_projection, right_projection, reprojection,
-                    cv::CALIB_ZERO_DISPARITY, kNoBlackBorder);
-  views.projection = left_projection.get_minor<3, 3>(0, 0);
-  return views;
-}
-
 // Whether every ray, in a camera turned by `rotation`, comes from within the picture that the lens makes.
 bool sees(const LensCamera& camera, const cv::Matx33d& rotation, const std::vector<cv::Vec3d>& rays) {
   std::vector<cv::Point2d> straight;
@@ -77,6 +63,34 @@ std::vector<cv::Vec3d> border_rays(const cv::Size& size, const cv::Matx33d& proj
   return rays;
 }
 
+// Whether all pixels of both views have a source.
+bool see_all(const LensCamera& left, const LensCamera& right, const RectifiedViews& views) {
+  const std::vector<cv::Vec3d> rays = border_rays(left.size, views.projection);
+  return sees(left, views.left_rotation, rays) && sees(right, views.right_rotation, rays);
+}
+
+// cv::stereoRectify knows the rim of its view by a few points: what it lacks beyond them is cut off.
+RectifiedViews rectify_by_opencv(const LensCamera& left, const LensCamera& right, const cv::Matx33d& rotation,
+                                 const cv::Vec3d& translation) {
+  RectifiedViews views;
+  cv::Matx34d left_projection;
+  cv::Matx34d right_projection;
+  cv::Matx44d reprojection;
+  constexpr double kNoBlackBorder = 0.0;
+  cv::stereoRectify(matrix_of(left), left.distortion, matrix_of(right), right.distortion, left.size, rotation, translation,
+                    views.left_rotation, views.right_rotation, left_projection, right_projection, reprojection,
+                    cv::CALIB_ZERO_DISPARITY, kNoBlackBorder);
+  views.projection = left_projection.get_minor<3, 3>(0, 0);
+  RectifiedViews closer = views;
+  constexpr int kMostSteps = 100;
+  constexpr double kStep = 1.001;
+  for (int step = 0; step < kMostSteps && !see_all(left, right, closer); ++step) {
+    closer.projection(0, 0) *= kStep;
+    closer.projection(1, 1) *= kStep;
+  }
+  return see_all(left, right, closer) ? closer : views;
+}
+
 // The widest view without a pixel that lacks a source, from narrow to wide: beyond the rim of a lens its model means nothing.
 RectifiedViews rectify_fisheye(const LensCamera& left, const LensCamera& right, const cv::Matx33d& rotation,
                                const cv::Vec3d& translation) {
@@ -90,10 +104,10 @@ RectifiedViews rectify_fisheye(const LensCamera& left, const LensCamera& right, 
   views.projection = cv::Matx33d::zeros();
   for (double degrees = kNarrowest; degrees <= kWidest; degrees += kStep) {
     const double focal = left.size.width / (2.0 * std::tan(degrees * CV_PI / 360.0));
-    const cv::Matx33d wider(focal, 0.0, (left.size.width - 1) / 2.0, 0.0, focal, (left.size.height - 1) / 2.0, 0.0, 0.0, 1.0);
-    const std::vector<cv::Vec3d> rays = border_rays(left.size, wider);
-    if (!sees(left, views.left_rotation, rays) || !sees(right, views.right_rotation, rays)) break;
-    views.projection = wider;
+    RectifiedViews wider = views;
+    wider.projection = {focal, 0.0, (left.size.width - 1) / 2.0, 0.0, focal, (left.size.height - 1) / 2.0, 0.0, 0.0, 1.0};
+    if (!see_all(left, right, wider)) break;
+    views = wider;
   }
   if (views.projection(0, 0) == 0.0) throw std::runtime_error(kNoView);
   return views;

@@ -37,9 +37,18 @@ struct Eyes {
   cv::Mat3b right;
 };
 
-/// A street with a hole 0.6 m wide and 0.5 m deep, 2.6 m ahead of someone whose eyes are 1.6 m up.
+/// Gravel with a hole 1.2 m long and wide and 0.6 m deep, 2.4 m ahead of someone whose eyes are 1.6 m up.
+sim::Scene make_scene() {
+  constexpr int kGravel = 6;
+  sim::Scene scene = sim::test::make_street(0.0F);
+  scene.meshes.clear();
+  scene.instances.clear();
+  sim::test::add_ground_with_hole(scene, 2.4F, 3.6F, -0.6F, 0.6F, 0.6F, kGravel, kGravel);
+  return scene;
+}
+
 Eyes render(const StereoCamera& camera, cv::Size size) {
-  sim::Renderer renderer(sim::test::make_street(0.5F));
+  sim::Renderer renderer(make_scene());
   const sim::CameraMotion standing = sim::test::standing(sim::test::make_pose(1.6, 30.0));
   std::vector<cv::Mat3f> light;
   for (const int eye : {0, 1}) light.push_back(renderer.render(camera, size, standing, 0.0, eye, {}, 1));
@@ -162,7 +171,7 @@ TEST(CalibrationKinds, OneSceneIsFoundTheSameThroughEveryLayoutAndKind) {
                                  folder.add("r.png", encode_png(ideal_pictures().right))}});
   const std::vector<NegativeObstacle> expected = obstacles_of(plain);
   ASSERT_EQ(expected.size(), 1U);
-  EXPECT_NEAR(expected[0].candidate.distance_m, 2.6, 0.1);
+  EXPECT_NEAR(expected[0].candidate.distance_m, 2.4, 0.1);
   const std::vector<test::WrittenCalibration> kinds = test::write_rectified_kinds(folder, kIdeal, kSize);
   EXPECT_EQ(kinds.size(), 10U);
   for (const test::WrittenCalibration& written : kinds) {
@@ -206,6 +215,22 @@ TEST(CalibrationKinds, KittiFolderTakesAnyKindInPlaceOfItsOwn) {
   EXPECT_NE(open_sequence(folder / "").remarks().at(0).find("calibration: OpenCV, M1 and M2"), std::string::npos);
 }
 
+// The IMU reads in the axes of the camera as it stands; the frame is that of the rectified one.
+TEST(CalibrationKinds, ImuOfARawKittiFolderIsTurnedWithThePictures) {
+  const test::TemporaryFolder folder;
+  const RawPair raw = make_raw_pair(LensModel::radial_tangential, {-0.28, 0.07, 0, 0}, {-0.28, 0.07, 0, 0});
+  (void)folder.add("image_2/000000.png", encode_png(raw.pictures.left));
+  (void)folder.add("image_3/000000.png", encode_png(raw.pictures.right));
+  (void)folder.add("calib.yaml", test::kalibr_text(raw.rig));
+  (void)folder.add("imu.csv", "0.5,0.1,0.2,0.3,1,-9,2\n");
+  const ImuSample sample = open_sequence(folder / "").imu().at(0);
+  const Eigen::Matrix3d rectified_from_left =
+      make_rectification(raw.rig.left, raw.rig.right, raw.rig.right_from_left).rectified_from_left;
+  EXPECT_FALSE(rectified_from_left.isIdentity(1e-3));
+  EXPECT_TRUE(sample.angular_rate.isApprox(rectified_from_left * Eigen::Vector3d(0.1, 0.2, 0.3), 1e-9));
+  EXPECT_TRUE(sample.specific_force.isApprox(rectified_from_left * Eigen::Vector3d(1, -9, 2), 1e-9));
+}
+
 struct Lens {
   const char* name;
   LensModel model;
@@ -217,7 +242,7 @@ struct Lens {
 class RawPictures : public ::testing::TestWithParam<Lens> {};
 
 /// Rectified and seen by other pixels than the ideal cameras', the scene is the same within what the matcher tells: 0.1 px of
-/// disparity are 1.5 cm at 2.6 m.
+/// disparity are 1.5 cm at 2.5 m.
 TEST_P(RawPictures, AreRectifiedToTheSameSceneByEveryKind) {
   const Lens& lens = GetParam();
   const test::TemporaryFolder folder;
@@ -242,7 +267,8 @@ TEST_P(RawPictures, AreRectifiedToTheSameSceneByEveryKind) {
     ASSERT_EQ(found.size(), 1U) << told;
     const Candidate& candidate = found[0].candidate;
     EXPECT_NEAR(candidate.distance_m, expected.distance_m, 0.04) << told;
-    EXPECT_NEAR(candidate.bearing_deg, expected.bearing_deg, 3.0) << told;  // any point of a straight rim
+    EXPECT_NEAR(candidate.centroid.x(), expected.centroid.x(), 0.04) << told;  // the x axis is the baseline's in all
+    EXPECT_NEAR(candidate.width_m, expected.width_m, 0.08) << told;
     EXPECT_NEAR(candidate.depth_m.value_or(0.0), expected.depth_m.value_or(1.0), 0.06) << told;
   }
   RecordProperty("found", fmt::format("{:.3f} m, ideal {:.3f} m", first->at(0).candidate.distance_m, expected.distance_m));
@@ -256,12 +282,12 @@ INSTANTIATE_TEST_SUITE_P(
              LensModel::radial_tangential,
              {-0.17, 0.026, 7e-5, -1.5e-4, 1e-3},
              {-0.17, 0.027, 2e-4, 1e-5, 1e-3},
-             3},
+             5},
         Lens{"rational",
              LensModel::radial_tangential,
              {0.5, 0.1, 2e-4, -1e-4, 0.005, 0.85, 0.22, 0.02},
              {0.52, 0.1, 1e-4, 2e-4, 0.005, 0.86, 0.23, 0.02},
-             3},
+             4},
         Lens{"fisheye", LensModel::fisheye, {-0.013, 0.05, -0.045, 0.012}, {-0.0135, 0.052, -0.049, 0.0135}, 4}));
 
 // The right pictures of a Middlebury pair are cut so that nothing is at infinity.

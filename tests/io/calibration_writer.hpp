@@ -176,7 +176,8 @@ inline std::vector<WrittenCalibration> write_rectified_kinds(const TemporaryFold
   const auto add = [&](const char* kind, const char* name, const std::string& text) {
     written.push_back({kind, {folder.add(name, text)}});
   };
-  add("KITTI, P0 and P1", "calib.txt", fmt::format("P0: {}\nP1: {}\n", spaced(projection(0.0)), spaced(projection(tx))));
+  add("KITTI, P2 and P3", "calib.txt",
+      fmt::format("P0: {0}\nP1: {1}\nP2: {0}\nP3: {1}\n", spaced(projection(0.0)), spaced(projection(tx))));
   add("KITTI, P_rect_02 and P_rect_03", "calib_cam_to_cam.txt",
       fmt::format("calib_time: 09-Jan-2012 13:57:47\nS_rect_02: {0} {1}\nP_rect_02: {2}\nS_rect_03: {0} {1}\nP_rect_03: {3}\n",
                   size.width, size.height, spaced(projection(0.0)), spaced(projection(tx))));

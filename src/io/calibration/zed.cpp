@@ -33,15 +33,19 @@ const std::array<Resolution, 7> kResolutions{{{{2208, 1242}, "2K"},
                                               {{672, 376}, "VGA"},
                                               {{3840, 2160}, "4K"}}};
 
-std::string capitals(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
+// Sections and names in capitals, in which files differ; values as they are.
+std::string with_capital_names(std::string text) {
+  bool name = true;
+  for (char& letter : text) {
+    if (letter == '=') name = false;
+    if (letter == '\n') name = true;
+    if (name) letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
+  }
   return text;
 }
 
-// Names in capitals: files differ in that.
 Sections read_sections(const std::string& path, const std::string& text) {
-  std::istringstream stream(capitals(text));
+  std::istringstream stream(with_capital_names(text));
   Sections sections;
   try {
     boost::property_tree::ini_parser::read_ini(stream, sections);
@@ -112,7 +116,7 @@ const Resolution& find_resolution(const std::string& path, const Sections& secti
 }  // namespace
 
 bool looks_like_zed(const std::string& text) {
-  const std::string names = capitals(text);
+  const std::string names = with_capital_names(text);
   return names.find("[LEFT_CAM_") != std::string::npos || names.find("[STEREO]") != std::string::npos;
 }
 
