@@ -174,6 +174,8 @@ TEST(CalibrationFaults, Ros) {
   test::expect_line_with(files.fault(), "right.yaml: is for 640x376 px, expected the size of ");
   (void)files.folder_.add("right.yaml", "image_width: 672\n");
   test::expect_line_with(files.fault(), "right.yaml: image_height is missing");
+  (void)files.folder_.add("right.yaml", "camera_info: 3\n");
+  test::expect_line_with(files.fault(), "right.yaml: camera_info holds no fields");
 }
 
 // The same files, and two answers: only who made the pictures knows.

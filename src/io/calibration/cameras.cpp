@@ -192,7 +192,7 @@ LensCamera make_lens(const std::string& path, const std::vector<double>& intrins
 
 cv::Size make_size(const std::string& path, const std::string& field, const std::vector<double>& sides) {
   for (const double side : sides) {
-    constexpr double kLargest = 20000;
+    constexpr double kLargest = 10000;
     if (side < 1 || side > kLargest || side != std::floor(side)) {
       fail_file(path, fmt::format("{} = {}, expected whole numbers from 1 to {} px", field, side, kLargest));
     }

@@ -51,7 +51,7 @@ StereoCalibration from_single(const CalibrationRequest& request, const std::stri
 LensCamera make_lens(const std::string& path, const std::vector<double>& intrinsics, const std::string& field,
                      const std::string& model, std::vector<double> coefficients, cv::Size size);
 
-/// Width and height of a file. @throws unless they are whole numbers from 1 to 20000.
+/// Width and height of a file. @throws unless they are whole numbers from 1 to 10000.
 cv::Size make_size(const std::string& path, const std::string& field, const std::vector<double>& sides);
 
 /// A 4x4 matrix, row by row, as a motion. @throws unless it is a rotation and a shift.

@@ -1,4 +1,4 @@
-#include <algorithm>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -50,7 +50,7 @@ CameraInfo read_camera(const std::string& path, const YAML::Node& root) {
   const YAML::Node coefficients = find_field(root, "distortion_coefficients", "D", "d");
   info.lens = make_lens(
       path, {k[0], k[4], k[2], k[5]}, "distortion_model",
-      model && model.IsScalar() && !model.Scalar().empty() ? model.Scalar() : "none",
+      model && model.IsScalar() && !model.Scalar().empty() ? model.Scalar() : "plumb_bob",
       coefficients.IsDefined() ? read_numbers(path, "distortion_coefficients", coefficients) : std::vector<double>(), size);
   info.turn = read_field(path, root, "rectification_matrix", "R", "r", 9);
   info.p = read_field(path, root, "projection_matrix", "P", "p", kProjectionSize);
@@ -67,6 +67,13 @@ bool is_the_same(const CameraInfo& info) {
   const LensCamera& lens = info.lens;
   return lens.is_pinhole() && info.turn == identity && info.p[0] == lens.focal_x && info.p[5] == lens.focal_y &&
          info.p[2] == lens.cx && info.p[6] == lens.cy;
+}
+
+// Some tools write a message under its name.
+YAML::Node info_of(const std::string& path, const YAML::Node& root) {
+  if (!root["camera_info"]) return root;
+  if (!root["camera_info"].IsMap()) fail_file(path, "camera_info holds no fields");
+  return root["camera_info"];
 }
 
 bool are_raw(const CalibrationRequest& request) {
@@ -108,11 +115,10 @@ bool looks_like_ros(const YAML::Node& root) {
 
 StereoCalibration read_ros(const CalibrationRequest& request, const YAML::Node& root) {
   const auto& [path, right_path, pictures] = request.files;
-  const auto info_of = [](const YAML::Node& file) { return file["camera_info"] ? file["camera_info"] : file; };
-  const CameraInfo left = read_camera(path, info_of(root));
+  const CameraInfo left = read_camera(path, info_of(path, root));
   if (right_path.empty()) return read_single(request, left);
-  const CameraInfo right =
-      read_camera(right_path, info_of(parse_opencv_yaml(right_path, read_file(right_path), "those of a ROS camera_info")));
+  const CameraInfo right = read_camera(
+      right_path, info_of(right_path, parse_opencv_yaml(right_path, read_file(right_path), "those of a ROS camera_info")));
   if (left.lens.size != right.lens.size) {
     fail_file(right_path, fmt::format("is for {}x{} px, expected the size of {}, {}x{}", right.lens.size.width,
                                       right.lens.size.height, path, left.lens.size.width, left.lens.size.height));
