@@ -94,16 +94,15 @@ RectifiedViews rectify_by_opencv(const LensCamera& left, const LensCamera& right
 // The widest view without a pixel that lacks a source, from narrow to wide: beyond the rim of a lens its model means nothing.
 RectifiedViews rectify_fisheye(const LensCamera& left, const LensCamera& right, const cv::Matx33d& rotation,
                                const cv::Vec3d& translation) {
-  constexpr double kNarrowest = 10.0;  // degrees across
-  constexpr double kWidest = 110.0;
-  constexpr double kStep = 0.5;
+  constexpr int kNarrowest = 20;  // half degrees across
+  constexpr int kWidest = 220;
   LensCamera pinhole = left;
   pinhole.model = LensModel::radial_tangential;
   pinhole.distortion.clear();
   RectifiedViews views = rectify_by_opencv(pinhole, pinhole, rotation, translation);  // for the rotations
   views.projection = cv::Matx33d::zeros();
-  for (double degrees = kNarrowest; degrees <= kWidest; degrees += kStep) {
-    const double focal = left.size.width / (2.0 * std::tan(degrees * CV_PI / 360.0));
+  for (int across = kNarrowest; across <= kWidest; ++across) {
+    const double focal = left.size.width / (2.0 * std::tan(across / 4.0 * CV_PI / 180.0));
     RectifiedViews wider = views;
     wider.projection = {focal, 0.0, (left.size.width - 1) / 2.0, 0.0, focal, (left.size.height - 1) / 2.0, 0.0, 0.0, 1.0};
     if (!see_all(left, right, wider)) break;

@@ -168,19 +168,19 @@ StereoCalibration from_single(const CalibrationRequest& request, const std::stri
 
 LensCamera make_lens(const std::string& path, const std::vector<double>& intrinsics, const std::string& field,
                      const std::string& model, std::vector<double> coefficients, cv::Size size) {
-  static const std::set<std::string> kRadial{"radial-tangential", "radtan", "plumb_bob", "rational_polynomial"};
-  static const std::set<std::string> kFisheye{"equidistant", "fisheye"};
-  static const std::set<std::size_t> kCounts{0, 4, 5, 8, 12, 14};  // of OpenCV
+  static const std::set<std::string> radial{"radial-tangential", "radtan", "plumb_bob", "rational_polynomial"};
+  static const std::set<std::string> fisheye{"equidistant", "fisheye"};
+  static const std::set<std::size_t> counts{0, 4, 5, 8, 12, 14};  // of OpenCV
   LensCamera lens{intrinsics[0],           intrinsics[1], intrinsics[2], intrinsics[3], LensModel::radial_tangential,
                   std::move(coefficients), size};
-  if (kFisheye.contains(model)) {
+  if (fisheye.contains(model)) {
     lens.model = LensModel::fisheye;
     check_count(path, field + " " + model, lens.distortion.size(), 4);
   } else if (model == "none") {
     lens.distortion.clear();
-  } else if (!kRadial.contains(model)) {
+  } else if (!radial.contains(model)) {
     fail_file(path, fmt::format("{} = {}, expected radial-tangential, rational, equidistant (fisheye) or none", field, model));
-  } else if (!kCounts.contains(lens.distortion.size())) {
+  } else if (!counts.contains(lens.distortion.size())) {
     fail_file(path, fmt::format("{} {} has {} numbers, expected 4, 5, 8, 12 or 14", field, model, lens.distortion.size()));
   }
   for (const double focal : {lens.focal_x, lens.focal_y}) {
