@@ -40,20 +40,18 @@ Sequence open_pair_of(const InputOptions& options) {
     throw std::invalid_argument(options.input + " is one picture: --side-by-side goes with a folder or a video");
   }
   if (options.fps) throw std::invalid_argument(options.input + " is one picture: --fps goes with a sequence");
-  if (options.right.empty() || options.calibration.empty()) {
+  if (options.right.empty() || options.calibration.path.empty()) {
     throw std::invalid_argument(options.input + " is one picture: --right and --calib are needed with it");
   }
-  return open_pair(options.input, options.right, options.calibration);
+  return announced(open_pair(options.input, options.right, options.calibration));
 }
 
 Sequence open_folder_of(const InputOptions& options) {
-  if (!options.right.empty() || !options.calibration.empty()) {
-    throw std::invalid_argument(fmt::format(
-        "{} is a folder, which holds its right pictures and its calibration itself: --right and --calib go with one picture, "
-        "--calib with --side-by-side too",
-        options.input));
+  if (!options.right.empty()) {
+    throw std::invalid_argument(options.input +
+                                " is a folder, which holds its right pictures itself: --right goes with one picture");
   }
-  return announced(open_sequence(options.input, options.fps));
+  return announced(open_sequence(options.input, options.fps, options.calibration));
 }
 
 /// FFmpeg shall drop a frame whose end is missing, instead of making up the rest, and leave the talking to us. It takes this
@@ -100,15 +98,30 @@ DetectorParams make_params(const MethodOptions& options) {
 void add_input_options(CLI::App& command, InputOptions& options) {
   command
       .add_option("INPUT", options.input,
-                  "Folder of a sequence in the KITTI layout or of EuRoC/ASL, which is rectified on the fly; a video with both "
-                  "eyes side by side; or the left picture of one pair (PNG or JPEG, 8 bit, rectified)")
+                  "Folder of a sequence in the KITTI layout or of EuRoC/ASL; a video with both "
+                  "eyes side by side; or the left picture of one pair (PNG or JPEG, 8 bit)")
       ->required();
   command.add_option("--right", options.right, "Right picture of the pair")->type_name("FILE");
   command
-      .add_option("--calib", options.calibration,
-                  "Calibration of the pair, or of one half of side-by-side pictures: KITTI calib.txt, or OpenCV YAML with P1 "
-                  "and P2, or Q")
+      .add_option("--calib", options.calibration.path,
+                  "Calibration of the pair, or of one half of side-by-side pictures, or of a folder in place of its calib.txt: "
+                  "KITTI, OpenCV, EuRoC, Kalibr, Middlebury, ROS or ZED, told apart by content")
       ->type_name("FILE");
+  command
+      .add_option(
+          "--calib-right", options.calibration.right_path,
+          "Calibration of the right camera, for kinds with a file per camera. Without it a partner of --calib is looked "
+          "for by its name: left and right, cam0 and cam1")
+      ->type_name("FILE");
+  command
+      .add_option_function<std::string>(
+          "--pictures",
+          [&options](const std::string& state) {
+            options.calibration.pictures = state == "raw" ? PictureState::raw : PictureState::rectified;
+          },
+          "What the pictures are, for calibrations that describe both: raw or rectified")
+      ->type_name("STATE")
+      ->check(CLI::IsMember({"raw", "rectified"}).description(""));
   command.add_flag("--side-by-side", options.side_by_side,
                    "INPUT is a folder of pictures named by number, each with both eyes side by side. A video needs no flag");
   command
@@ -127,7 +140,7 @@ Sequence open_input(const InputOptions& options) {
   if (picture) return open_pair_of(options);
   if (folder && !options.side_by_side) return open_folder_of(options);
   if (!options.right.empty()) throw std::invalid_argument(input + " has both eyes side by side: --right goes with one picture");
-  if (options.calibration.empty()) {
+  if (options.calibration.path.empty()) {
     throw std::invalid_argument(input + (folder ? " has both eyes side by side: --calib is needed with it"
                                                 : " is taken for a side-by-side video: --calib is needed with it"));
   }

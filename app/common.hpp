@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 #include <tbb/global_control.h>
 
+#include "brink/calibration.hpp"
 #include "brink/detector.hpp"
 #include "brink/sequence.hpp"
 
@@ -41,7 +42,7 @@ DetectorParams make_params(const MethodOptions& options);
 struct InputOptions {
   std::string input;
   std::string right;
-  std::string calibration;
+  CalibrationFiles calibration;
   bool side_by_side = false;
   std::optional<double> fps;
 };

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "brink/calibration.hpp"
 #include "brink/detector.hpp"
 #include "brink/frame.hpp"
 #include "brink/imu.hpp"
@@ -52,7 +53,7 @@ class Sequence {
   [[nodiscard]] const std::vector<FrameStamp>& stamps() const { return stamps_; }
   /// Ascending in time, in the left camera frame; empty without an IMU.
   [[nodiscard]] const std::vector<ImuSample>& imu() const { return imu_; }
-  /// Lines for people: what the input was recognised as, unless it is the plain layout, and what is odd about it.
+  /// Lines for people: what the input and its calibration were recognised as, and what is odd about it.
   [[nodiscard]] const std::vector<std::string>& remarks() const { return remarks_; }
 
   /// Reads one frame. A fault of its pictures is told in the result and leaves the other frames alone: no_picture when one
@@ -86,29 +87,35 @@ std::optional<Eigen::Matrix3d> integrate_gyroscope(const std::vector<ImuSample>&
 
 /// Opens a folder in one of two layouts (docs/formats.md), told apart by what is in it.
 ///
-/// KITTI odometry: calib.txt, image_2 and image_3 or else image_0 and image_1 with pictures named by number, times.txt, and
-/// imu.csv, which gives each frame its gravity and its turn since the frame before. Frames run from the smallest number to the
-/// greatest, over both eyes; a number without a picture is a frame of its own with status no_picture. Without times.txt the
-/// time of a frame is its number, or its number / fps.
+/// Pictures of all layouts are checked to have the calibration's size, and rectified where it says how (calibration.hpp).
 ///
-/// EuRoC/ASL: mav0/cam0 and mav0/cam1 with data.csv and sensor.yaml, and mav0/imu0 if there is one. Pictures are rectified as
-/// they are read. Times are counted from the first frame.
+/// KITTI odometry: calib.txt (of any kind; or calib.yaml, calib.conf), image_2 and image_3 or else image_0 and image_1 with
+/// pictures named by number, times.txt, and imu.csv, which gives each frame its gravity and its turn since the frame before.
+/// Frames run from the smallest number to the greatest, over both eyes; a number without a picture is a frame of its own with
+/// status no_picture. Without times.txt the time of a frame is its number, or its number / fps.
+///
+/// EuRoC/ASL: mav0/cam0 and mav0/cam1 with data.csv and sensor.yaml, and mav0/imu0 if there is one. Times are counted from the
+/// first frame.
 /// @param fps frames per second, for a KITTI layout without times.txt.
+/// @param calibration of a KITTI layout, in place of its calib.txt; without a path only its `pictures` counts.
 /// @throws std::runtime_error "file: ..." when there are no pictures, names are no numbers, or a file other than a picture is
 /// at fault; std::invalid_argument when fps is not positive, or given where the times are known.
-Sequence open_sequence(const std::string& folder, std::optional<double> fps = std::nullopt);
+Sequence open_sequence(const std::string& folder, std::optional<double> fps = std::nullopt,
+                       const CalibrationFiles& calibration = {});
 
-/// Opens a video, or a folder of PNG or JPEG pictures named by number, in which both eyes' rectified pictures stand side by
+/// Opens a video, or a folder of PNG or JPEG pictures named by number, in which both eyes' pictures stand side by
 /// side: the left half is the left eye. Frames that a video announces and that cannot be decoded have the status no_picture.
-/// @param calibration file, for one half.
+/// @param calibration for one half.
 /// @param fps frames per second. Without it a video has those of its file, a folder the times of its times.txt, and without
 /// that the time of a frame is its number.
 /// @throws std::runtime_error "file: ..." when a file is at fault; std::invalid_argument when fps is not positive, or given
 /// where times.txt tells the times.
-Sequence open_side_by_side(const std::string& input, const std::string& calibration, std::optional<double> fps = std::nullopt);
+Sequence open_side_by_side(const std::string& input, const CalibrationFiles& calibration,
+                           std::optional<double> fps = std::nullopt);
 
-/// One pair as a sequence of one frame; the pictures are not opened yet.
+/// One pair as a sequence of one frame. Of the pictures no more than their size is looked at yet; one that is missing is told
+/// when the frame is read.
 /// @throws std::runtime_error "file: ..." when the calibration is at fault.
-Sequence open_pair(const std::string& left, const std::string& right, const std::string& calibration);
+Sequence open_pair(const std::string& left, const std::string& right, const CalibrationFiles& calibration);
 
 }  // namespace brink

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "brink/calibration.hpp"
 #include "brink/sequence.hpp"
 
 namespace brink {
@@ -10,6 +12,7 @@ namespace brink {
 bool is_euroc(const std::string& folder);
 
 /// The EuRoC/ASL half of open_sequence.
-Sequence open_euroc(const std::string& folder);
+/// @param pictures as in CalibrationFiles.
+Sequence open_euroc(const std::string& folder, std::optional<PictureState> pictures);
 
 }  // namespace brink

@@ -7,8 +7,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "brink/calibration.hpp"
 #include "brink/sequence.hpp"
-#include "io/rectification.hpp"
 
 namespace brink {
 
@@ -48,15 +48,18 @@ class PictureFiles : public PictureSource {
   std::vector<FrameFiles> files_;
 };
 
-/// Rectifies what another source reads.
-class RectifiedSource : public PictureSource {
+/// What another source reads, checked to be of the calibration's size and rectified where that is needed.
+class CalibratedSource : public PictureSource {
  public:
-  RectifiedSource(std::unique_ptr<PictureSource> source, Rectification rectification);
+  CalibratedSource(std::unique_ptr<PictureSource> source, StereoCalibration calibration);
   PicturePair read(int position) override;
 
  private:
   std::unique_ptr<PictureSource> source_;
-  Rectification rectification_;
+  StereoCalibration calibration_;
 };
+
+/// Size of the first picture that can be read, for the choice and check of a calibration; empty when none can.
+cv::Size first_picture_size(const std::vector<FrameFiles>& files);
 
 }  // namespace brink

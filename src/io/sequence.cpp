@@ -12,6 +12,7 @@
 #include "brink/calibration.hpp"
 #include "io/euroc.hpp"
 #include "io/picture_source.hpp"
+#include "io/rectification.hpp"
 #include "io/sequence_files.hpp"
 
 namespace brink {
@@ -32,14 +33,21 @@ std::vector<FrameStamp> stamps_of(const std::vector<FrameFiles>& files) {
   return stamps;
 }
 
-Sequence open_kitti(const fs::path& folder, std::optional<double> fps) {
+// Into the axes of the rectified left camera.
+void turn(std::vector<ImuSample>& samples, const Eigen::Matrix3d& rectified_from_left) {
+  for (ImuSample& sample : samples) {
+    sample.angular_rate = rectified_from_left * sample.angular_rate;
+    sample.specific_force = rectified_from_left * sample.specific_force;
+  }
+}
+
+Sequence open_kitti(const fs::path& folder, std::optional<double> fps, const CalibrationFiles& given) {
   const std::optional<Eyes> eyes = find_eyes(folder);
   if (!eyes) {
     throw std::runtime_error(folder.string() +
                              ": no pictures, expected folders image_2 and image_3 (colour), image_0 and image_1 (grey), or "
                              "mav0 (EuRoC/ASL)");
   }
-  const StereoCalibration calibration = read_calibration((folder / "calib.txt").string(), eyes->cameras);
   const NumberedFiles left = list_pictures(eyes->left);
   const NumberedFiles right = list_pictures(eyes->right);
   const std::vector<int> left_numbers = numbers_of(left);
@@ -55,13 +63,19 @@ Sequence open_kitti(const fs::path& folder, std::optional<double> fps) {
     files.push_back({number, clock.at(number), picture_or_expected(left, eyes->left, number),
                      picture_or_expected(right, eyes->right, number)});
   }
-  std::vector<std::string> remarks;
+  const StereoCalibration calibration =
+      read_calibration(find_calibration(folder, given), first_picture_size(files), eyes->cameras);
+  std::vector<std::string> remarks{
+      fmt::format("{}: KITTI layout, {} frames; calibration: {}", folder.string(), files.size(), describe(calibration))};
   if (const auto remark = unequal_counts(folder.string(), left_numbers, right_numbers)) remarks.push_back(*remark);
   std::error_code error;
   const fs::path imu = folder / "imu.csv";
   std::vector<ImuSample> samples;
   if (fs::exists(imu, error)) samples = read_imu(imu.string());
-  return {calibration.camera, stamps_of(files), std::make_unique<PictureFiles>(files), std::move(samples), std::move(remarks)};
+  if (calibration.rectification) turn(samples, calibration.rectification->rectified_from_left);
+  return {calibration.camera, stamps_of(files),
+          std::make_unique<CalibratedSource>(std::make_unique<PictureFiles>(files), calibration), std::move(samples),
+          std::move(remarks)};
 }
 
 }  // namespace
@@ -111,18 +125,28 @@ FrameReading Sequence::read(int position) const {
   return reading;
 }
 
-Sequence open_sequence(const std::string& folder, std::optional<double> fps) {
+Sequence open_sequence(const std::string& folder, std::optional<double> fps, const CalibrationFiles& calibration) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) throw std::runtime_error(folder + ": no such folder");
   if (is_euroc(folder)) {
     if (fps) throw std::invalid_argument(fmt::format("fps = {}, must not be given: {} tells the times", *fps, folder));
-    return open_euroc(folder);
+    if (!calibration.path.empty()) {
+      throw std::invalid_argument(
+          fmt::format("calib = {}, must not be given: {} has a sensor.yaml for each camera", calibration.path, folder));
+    }
+    return open_euroc(folder, calibration.pictures);
   }
-  return open_kitti(folder, fps);
+  return open_kitti(folder, fps, calibration);
 }
 
-Sequence open_pair(const std::string& left, const std::string& right, const std::string& calibration) {
-  return {read_calibration(calibration).camera, {{0, 0.0, left, right}}};
+Sequence open_pair(const std::string& left, const std::string& right, const CalibrationFiles& calibration) {
+  const std::vector<FrameFiles> files{{0, 0.0, left, right}};
+  const StereoCalibration known = read_calibration(calibration, first_picture_size(files));
+  return {known.camera,
+          stamps_of(files),
+          std::make_unique<CalibratedSource>(std::make_unique<PictureFiles>(files), known),
+          {},
+          {fmt::format("{}: one pair; calibration: {}", left, describe(known))}};
 }
 
 }  // namespace brink

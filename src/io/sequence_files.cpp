@@ -108,6 +108,18 @@ std::optional<std::string> unequal_counts(const std::string& folder, const std::
   return fmt::format("{}: frames without a partner: {}, the first is frame {}", counts, alone.size(), alone.front());
 }
 
+CalibrationFiles find_calibration(const fs::path& folder, CalibrationFiles given) {
+  if (!given.path.empty()) return given;
+  given.path = (folder / "calib.txt").string();  // expected when there is none
+  for (const char* name : {"calib.txt", "calib.yaml", "calib.conf"}) {
+    std::error_code error;
+    if (!fs::exists(folder / name, error)) continue;
+    given.path = (folder / name).string();
+    break;
+  }
+  return given;
+}
+
 std::optional<Eyes> find_eyes(const fs::path& folder) {
   for (const Eyes& eyes : {Eyes{folder / "image_2", folder / "image_3", CameraPair::color},
                            Eyes{folder / "image_0", folder / "image_1", CameraPair::grey}}) {

@@ -49,6 +49,10 @@ class FrameClock {
 std::optional<std::string> unequal_counts(const std::string& folder, const std::vector<int>& left,
                                           const std::vector<int>& right);
 
+/// The calibration of a sequence in the KITTI layout: `given`, or with no path in it calib.txt, calib.yaml or calib.conf in the
+/// folder, whichever is there first.
+CalibrationFiles find_calibration(const std::filesystem::path& folder, CalibrationFiles given = {});
+
 /// The folders of both eyes' pictures, with the cameras of calib.txt that took them.
 struct Eyes {
   std::filesystem::path left;

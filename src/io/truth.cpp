@@ -133,9 +133,9 @@ SequenceTruth::SequenceTruth(const std::string& folder) : folder_(folder) {
   size_ = read_mask(masks_.front()).size();
   times_ = read_times(root / "times.txt", frames_.back());
   if (is_there(root / "poses.txt")) poses_ = read_poses(root / "poses.txt", frames_.back());
-  if (is_there(root / "calib.txt")) {
+  if (const CalibrationFiles calibration = find_calibration(root); is_there(calibration.path)) {
     const std::optional<Eyes> eyes = find_eyes(root);
-    camera_ = read_calibration((root / "calib.txt").string(), eyes ? eyes->cameras : CameraPair::any).camera;
+    camera_ = read_calibration(calibration, size_, eyes ? eyes->cameras : CameraPair::any).camera;
   }
   has_instances_ = is_there(root / "instances.yaml");
   if (has_instances_) instances_ = read_instances(root / "instances.yaml");

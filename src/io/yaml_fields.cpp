@@ -36,15 +36,27 @@ YAML::Node parse_opencv_yaml(const std::string& path, std::string text, const st
   return root;
 }
 
+std::vector<double> read_numbers(const std::string& path, const std::string& field, const YAML::Node& matrix) {
+  const YAML::Node data = matrix.IsMap() ? matrix["data"] : matrix;
+  if (!data || !data.IsSequence()) fail_file(path, field + " has no data, expected a list of numbers");
+  std::vector<double> numbers;
+  const auto take = [&](const YAML::Node& number) {
+    numbers.push_back(read_number(path, field, numbers.size(), number.IsScalar() ? number.Scalar() : "a list"));
+  };
+  for (const YAML::Node& element : data) {
+    if (!element.IsSequence()) {
+      take(element);
+      continue;
+    }
+    for (const YAML::Node& number : element) take(number);
+  }
+  return numbers;
+}
+
 std::vector<double> read_numbers(const std::string& path, const std::string& field, const YAML::Node& matrix,
                                  std::size_t expected) {
-  const YAML::Node data = matrix.IsMap() ? matrix["data"] : matrix;
-  if (!data || !data.IsSequence()) fail_file(path, fmt::format("{} has no data, expected {} numbers", field, expected));
-  check_count(path, field, data.size(), expected);
-  std::vector<double> numbers;
-  for (std::size_t n = 0; n < expected; ++n) {
-    numbers.push_back(read_number(path, field, n, data[n].IsScalar() ? data[n].Scalar() : "a list"));
-  }
+  std::vector<double> numbers = read_numbers(path, field, matrix);
+  check_count(path, field, numbers.size(), expected);
   return numbers;
 }
 

@@ -24,7 +24,10 @@ YAML::Node parse_yaml(const std::string& path, const std::string& text);
 /// @param expected what fields it should have, for the message when it has none.
 YAML::Node parse_opencv_yaml(const std::string& path, std::string text, const std::string& expected);
 
-/// A list of numbers, or OpenCV's matrix, which has it as `data`.
+/// A list of numbers, a list of rows, or OpenCV's matrix, which has it as `data`.
+std::vector<double> read_numbers(const std::string& path, const std::string& field, const YAML::Node& matrix);
+
+/// The same, of so many numbers.
 std::vector<double> read_numbers(const std::string& path, const std::string& field, const YAML::Node& matrix,
                                  std::size_t expected);
 

@@ -66,15 +66,16 @@ class BadInput : public ::testing::Test {
     return arguments;
   }
 
-  // One line that holds `part`, the exit code, and nothing left behind. Bad frames are in the output as well, when it can be
-  // written to.
+  // One line about the fault, the last one, that holds `part`, the exit code, and nothing left behind. Bad frames are in the
+  // output as well, when it can be written to.
   void expect_refusal(const std::string& arguments, int exit_code, const std::string& part) const {
     const CommandResult result = run_command(in_folder(arguments));
-    const std::vector<std::string> lines = lines_of(result.errors);
+    const std::vector<std::string> faults = faults_of(result);
     EXPECT_EQ(result.exit_code, exit_code) << arguments;
-    EXPECT_EQ(lines.size(), 1U) << arguments << "\n" << result.errors;
-    EXPECT_TRUE(result.errors.starts_with("brink: ")) << result.errors;
-    EXPECT_NE(result.errors.find(part), std::string::npos) << "\"" << result.errors << "\" does not hold \"" << part << "\"";
+    ASSERT_EQ(faults.size(), 1U) << arguments << "\n" << result.errors;
+    EXPECT_EQ(faults[0], lines_of(result.errors).back());
+    EXPECT_TRUE(faults[0].starts_with("brink: ")) << result.errors;
+    EXPECT_NE(faults[0].find(part), std::string::npos) << "\"" << result.errors << "\" does not hold \"" << part << "\"";
     EXPECT_EQ(folder_.list(), before_) << arguments;
   }
 
@@ -141,7 +142,7 @@ TEST_F(BadInput, Sequence) {
 TEST_F(BadInput, SequenceWithoutOneGoodFrame) {
   const CommandResult result = run_command(in_folder("detect @bad --out @out.jsonl --overlay @pictures"));
   EXPECT_EQ(result.exit_code, 1);
-  const auto lines = lines_of(result.errors);
+  const auto lines = faults_of(result);
   ASSERT_EQ(lines.size(), 2U);
   EXPECT_NE(lines[0].find("image_1/000000.png: is not a PNG or JPEG picture"), std::string::npos);
   EXPECT_EQ(lines[1], "brink: none of 1 frames can be used");
@@ -154,7 +155,7 @@ TEST_F(BadInput, CommandLine) {
   expect_refusal("detect", 2, "INPUT is required");
   expect_refusal("detect @good.png --quickly", 2, "--quickly");
   expect_refusal("detect @good.png --out @out.jsonl", 2, "--right and --calib are needed");
-  expect_refusal("detect @bad --right @good.png", 2, "--right and --calib go with one picture");
+  expect_refusal("detect @bad --right @good.png", 2, "--right goes with one picture");
   expect_refusal("detect @good.png --right @good.png --calib @good.txt --matcher magic", 2, "--matcher");
   expect_refusal("detect @good.png --right @good.png --calib @good.txt --threads 0", 2, "--threads");
   expect_refusal("detect @good.png --right @good.png --calib @good.txt --threads two", 2, "--threads");

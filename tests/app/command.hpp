@@ -45,6 +45,13 @@ inline std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
+/// The lines on standard error without that which names the input and its calibration: what went wrong.
+inline std::vector<std::string> faults_of(const CommandResult& result) {
+  std::vector<std::string> lines = lines_of(result.errors);
+  std::erase_if(lines, [](const std::string& line) { return line.find("; calibration: ") != std::string::npos; });
+  return lines;
+}
+
 /// JSON Lines without the times, which differ from run to run.
 inline std::vector<nlohmann::json> detections_of(const std::string& text) {
   std::vector<nlohmann::json> detections;

@@ -56,9 +56,12 @@ TEST(Detect, ReportsTheHoleInOnePair) {
   ASSERT_EQ(detections.size(), 1U);
   expect_the_hole(detections[0]);
   const auto lines = lines_of(result.errors);
-  ASSERT_EQ(lines.size(), 2U);
-  EXPECT_EQ(lines[0], "brink: one pair: candidates are reported as obstacles at once, as with --stills");
-  EXPECT_EQ(lines[1], "brink: 1 of 1 frames ok; ground seen in 1, uncertain in 0, not visible in 0; obstacles: 1");
+  ASSERT_EQ(lines.size(), 3U);
+  EXPECT_EQ(lines[0], "brink: " + folder / "left.png" +
+                          ": one pair; calibration: KITTI, P0 and P1, 640x360 px, focal length 350.00 px, baseline 0.1500 m, "
+                          "field of view 85 x 54 degrees, rectified already");
+  EXPECT_EQ(lines[1], "brink: one pair: candidates are reported as obstacles at once, as with --stills");
+  EXPECT_EQ(lines[2], "brink: 1 of 1 frames ok; ground seen in 1, uncertain in 0, not visible in 0; obstacles: 1");
 }
 
 TEST(Detect, ReportsNothingOnFlatGround) {
@@ -78,7 +81,7 @@ TEST(Detect, WritesDetectionsAndFourPicturesPerFrame) {
                                            " --overlay " + folder / "deep/pictures");
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_EQ(result.output, "");
-  EXPECT_EQ(lines_of(result.errors).size(), 1U) << result.errors;
+  EXPECT_EQ(faults_of(result).size(), 1U) << result.errors;
   const std::vector<Json> detections = detections_of(read_file(folder / "o.jsonl"));
   ASSERT_EQ(detections.size(), 2U);
   expect_the_hole(detections[0]);
@@ -121,7 +124,7 @@ TEST(Detect, ValidatesNothingInTwoFrames) {
   EXPECT_EQ(detection["tracks"].size(), 1U);
   EXPECT_EQ(detection["ego_motion"]["state"], "failed");
   EXPECT_EQ(detection["ego_motion"]["reason"], "first frame");
-  EXPECT_EQ(lines_of(result.errors).size(), 1U) << result.errors;
+  EXPECT_EQ(faults_of(result).size(), 1U) << result.errors;
 }
 
 TEST(Detect, TellsABadFrameAndGoesOn) {
@@ -135,7 +138,7 @@ TEST(Detect, TellsABadFrameAndGoesOn) {
   EXPECT_EQ(detections[0]["status"], "bad_frame");
   EXPECT_NE(detections[0]["reason"].get<std::string>().find("000000.png: is not a PNG or JPEG picture"), std::string::npos);
   EXPECT_EQ(detections[1]["status"], "ok");
-  const auto lines = lines_of(result.errors);
+  const auto lines = faults_of(result);
   ASSERT_EQ(lines.size(), 2U);
   EXPECT_EQ(lines[0], "brink: " + detections[0]["reason"].get<std::string>());
   EXPECT_TRUE(lines[1].starts_with("brink: 1 of 2 frames ok;")) << lines[1];

@@ -94,7 +94,7 @@ TEST(Input, UnequalCountsAreTold) {
   const CommandResult result = run_command("detect --stills " + folder / "");
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(detections_of(result.output).size(), 3U);
-  EXPECT_EQ(lines_of(result.errors).at(0),
+  EXPECT_EQ(faults_of(result).at(0),
             "brink: " + folder / "" + ": 3 left and 1 right pictures: from frame 1 on the right ones are missing");
 }
 
@@ -103,7 +103,7 @@ class BadInputKind : public ::testing::Test {
   void expect_refusal(const std::string& arguments, int exit_code, const std::string& part) const {
     const CommandResult result = run_command("detect " + arguments);
     EXPECT_EQ(result.exit_code, exit_code) << arguments;
-    EXPECT_EQ(lines_of(result.errors).size(), 1U) << arguments << "\n" << result.errors;
+    EXPECT_EQ(faults_of(result).size(), 1U) << arguments << "\n" << result.errors;
     EXPECT_NE(result.errors.find(part), std::string::npos) << "\"" << result.errors << "\" does not hold \"" << part << "\"";
     EXPECT_EQ(result.output, "") << arguments;
   }
@@ -119,7 +119,8 @@ TEST_F(BadInputKind, OptionsThatDoNotGoTogether) {
   expect_refusal(prose, 2, "walk.mp4 is taken for a side-by-side video: --calib is needed with it");
   expect_refusal(folder + " --side-by-side", 2, "has both eyes side by side: --calib is needed with it");
   expect_refusal(folder + " --side-by-side --right " + picture_ + calib_, 2, "--right goes with one picture");
-  expect_refusal(folder + calib_, 2, "--right and --calib go with one picture, --calib with --side-by-side too");
+  expect_refusal(folder + " --right " + picture_ + calib_, 2, "--right goes with one picture");
+  expect_refusal(folder + " --pictures square", 2, "--pictures");
   expect_refusal(picture_ + " --side-by-side" + calib_, 2, "--side-by-side goes with a folder or a video");
   expect_refusal(picture_ + " --fps 15 --right " + picture_ + calib_, 2, "--fps goes with a sequence");
   expect_refusal(folder + " --side-by-side --fps 0" + calib_, 2, "fps = 0, must be more than 0");
@@ -150,9 +151,11 @@ TEST(Input, EurocIsRecognisedAndNamed) {
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_EQ(detections_of(result.output).size(), 10U);
   const std::string first = lines_of(result.errors).at(0);
-  EXPECT_TRUE(
-      first.starts_with(fmt::format("brink: {}: EuRoC/ASL, rectified on the fly: 752x480 px, focal length 4", standing)))
+  EXPECT_TRUE(first.starts_with(fmt::format(
+      "brink: {}: EuRoC/ASL, 10 frames, {} IMU readings; calibration: EuRoC sensor.yaml pair, radial-tangential, 752x480 px, ",
+      standing, open_sequence(standing).imu().size())))
       << first;
+  EXPECT_TRUE(first.ends_with("rectified on the fly")) << first;
   EXPECT_NE(first.find("baseline 0.11"), std::string::npos) << first;
 }
 

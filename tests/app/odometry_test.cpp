@@ -54,7 +54,7 @@ TEST(Odometry, WritesThePathAsKittiPoses) {
     EXPECT_NEAR(poses[i][11], kStep * static_cast<double>(i), 0.004);
     EXPECT_NEAR(poses[i][0], 1.0, 1e-4);
   }
-  EXPECT_EQ(result.errors, "brink: 5 frames, 0.32 m from start to end\n");
+  EXPECT_EQ(faults_of(result), std::vector<std::string>{"brink: 5 frames, 0.32 m from start to end"});
 }
 
 TEST(Odometry, WritesThePathAsTumLines) {

@@ -102,17 +102,19 @@ TEST(OpenSequence, SortsNamesByNumber) {
 TEST(OpenSequence, TellsUnequalCounts) {
   const test::TemporaryFolder folder;
   fill(folder);
-  EXPECT_TRUE(open_sequence(folder / "").remarks().empty());
+  ASSERT_EQ(open_sequence(folder / "").remarks().size(), 1U);
+  test::expect_line_with(open_sequence(folder / "").remarks()[0],
+                         ": KITTI layout, 3 frames; calibration: KITTI, P0 and P1, 48x40 px, focal length 700.00 px");
   (void)folder.add("image_0/000003.png", picture(10));
   (void)folder.add("image_0/000004.png", picture(10));
   const Sequence tail = open_sequence(folder / "");
-  ASSERT_EQ(tail.remarks().size(), 1U);
-  test::expect_line_with(tail.remarks()[0], ": 5 left and 3 right pictures: from frame 3 on the right ones are missing");
+  ASSERT_EQ(tail.remarks().size(), 2U);
+  test::expect_line_with(tail.remarks()[1], ": 5 left and 3 right pictures: from frame 3 on the right ones are missing");
   EXPECT_EQ(tail.read(2).status, FrameStatus::ok);
   EXPECT_EQ(tail.read(3).status, FrameStatus::no_picture);
   EXPECT_EQ(tail.read(4).status, FrameStatus::no_picture);
   std::filesystem::remove(folder / "image_0/000001.png");
-  test::expect_line_with(open_sequence(folder / "").remarks().at(0),
+  test::expect_line_with(open_sequence(folder / "").remarks().at(1),
                          ": 4 left and 3 right pictures: frames without a partner: 3, the first is frame 1");
 }
 
@@ -173,9 +175,9 @@ TEST(OpenSequence, RefusesAFolderThatIsNoSequence) {
       "no pictures, expected folders image_2 and image_3 (colour), image_0 and image_1 (grey), or mav0 (EuRoC/ASL)");
   std::filesystem::create_directories(folder / "image_0");
   std::filesystem::create_directories(folder / "image_1");
-  test::expect_line_with(fault(folder), "calib.txt: no such file");
-  (void)folder.add("calib.txt", kCalibration);
   test::expect_line_with(fault(folder), "image_0: holds no PNG or JPEG pictures");
+  (void)folder.add("image_0/000000.png", picture(1));
+  test::expect_line_with(fault(folder), "calib.txt: no such file");
 }
 
 TEST(OpenSequence, RefusesNamesThatAreNoNumbers) {
@@ -219,7 +221,7 @@ TEST(OpenSequence, RefusesWrongTimes) {
 TEST(OpenPair, IsASequenceOfOneFrame) {
   const test::TemporaryFolder folder;
   const Sequence sequence =
-      open_pair(folder.add("l.png", picture(1)), folder.add("r.png", picture(2)), folder.add("calib.txt", kCalibration));
+      open_pair(folder.add("l.png", picture(1)), folder.add("r.png", picture(2)), {folder.add("calib.txt", kCalibration)});
   ASSERT_EQ(sequence.size(), 1);
   EXPECT_EQ(sequence.read(0).status, FrameStatus::ok);
   EXPECT_EQ(sequence.camera().focal, 710);

@@ -53,7 +53,7 @@ class SideBySide : public ::testing::Test {
  protected:
   [[nodiscard]] std::string path(const std::string& name) const { return folder_ / name; }
   Sequence open(const std::string& name, std::optional<double> fps = std::nullopt) const {
-    return open_side_by_side(folder_ / name, calibration_, fps);
+    return open_side_by_side(folder_ / name, {calibration_}, fps);
   }
   [[nodiscard]] std::string fault(const std::string& name) const {
     return test::error_of<std::runtime_error>([&] { open(name); });
@@ -142,7 +142,7 @@ TEST_F(SideBySide, RefusesWhatIsNoVideo) {
     test::expect_line_with(fault(name), name + ": cannot be read as a video");
   }
   test::expect_line_with(fault("nowhere.mp4"), "nowhere.mp4: no such file");
-  test::expect_line_with(test::error_of<std::runtime_error>([&] { open_side_by_side("/dev/null", calibration_); }),
+  test::expect_line_with(test::error_of<std::runtime_error>([&] { open_side_by_side("/dev/null", {calibration_}); }),
                          "/dev/null: is no regular file, expected a video");
 }
 
@@ -151,13 +151,13 @@ TEST_F(SideBySide, RefusesAVideoThatDoesNotFitTheCalibration) {
   const std::string numbers = "P1: {data: [70,0,32,0, 0,70,24,0, 0,0,1,0]}\nP2: {data: [70,0,32,-7, 0,70,24,0, 0,0,1,0]}\n";
   const auto refusal = [&](const std::string& size) {
     const std::string file = folder_.add("calib.yaml", "%YAML:1.0\n" + numbers + size);
-    return test::error_of<std::runtime_error>([&] { open_side_by_side(path("walk.avi"), file); });
+    return test::error_of<std::runtime_error>([&] { open_side_by_side(path("walk.avi"), {file}); });
   };
   test::expect_line_with(refusal("image_width: 128\nimage_height: 48\n"),
-                         "walk.avi: its halves have 64x48 px, expected those of the calibration, 128x48");
+                         "calib.yaml: is for pictures of 128x48 px, these have 64x48");
   test::expect_line_with(refusal("image_width: wide\nimage_height: 48\n"), "image_width = wide, expected a whole number");
   const std::string fitting = folder_.add("calib.yaml", "%YAML:1.0\n" + numbers + "image_width: 64\nimage_height: 48\n");
-  EXPECT_EQ(open_side_by_side(path("walk.avi"), fitting).size(), kFrames);
+  EXPECT_EQ(open_side_by_side(path("walk.avi"), {fitting}).size(), kFrames);
 }
 
 TEST_F(SideBySide, FolderOfPicturesIsCutInTwoHalves) {
@@ -187,7 +187,7 @@ TEST_F(SideBySide, FolderTellsBadPicturesAndGoesOn) {
   test::expect_line_with(sequence.read(1).reason, "000001.png: no such file");
   const std::array<const char*, 3> reasons{"2.png: 127x48 px, expected an even width: two pictures side by side",
                                            "3.png: is not a PNG or JPEG picture",
-                                           "4.png: left picture is 16x48 px, must be at least 32x32"};
+                                           "4.png: 16x48 px, expected those of the calibration and the other pictures, 64x48"};
   for (int position = 2; position < 5; ++position) {
     const FrameReading reading = sequence.read(position);
     EXPECT_EQ(reading.status, FrameStatus::bad_frame);
