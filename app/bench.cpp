@@ -12,6 +12,7 @@
 #include <sys/resource.h>
 
 #include "common.hpp"
+#include "input.hpp"
 
 namespace brink::app {
 namespace {

@@ -1,13 +1,11 @@
 #include "common.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <stdexcept>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
@@ -15,7 +13,6 @@
 
 #include "brink/files.hpp"
 #include "brink/parameters.hpp"
-#include "brink/pictures.hpp"
 
 namespace brink::app {
 namespace {
@@ -27,38 +24,6 @@ volatile std::sig_atomic_t interrupted = 0;
 extern "C" void note_interruption(int signal) {
   interrupted = 1;
   std::signal(signal, SIG_DFL);
-}
-
-/// Says what the input was recognised as and what is odd about it.
-Sequence announced(Sequence sequence) {
-  for (const std::string& remark : sequence.remarks()) say(remark);
-  return sequence;
-}
-
-Sequence open_pair_of(const InputOptions& options) {
-  if (options.side_by_side) {
-    throw std::invalid_argument(options.input + " is one picture: --side-by-side goes with a folder or a video");
-  }
-  if (options.fps) throw std::invalid_argument(options.input + " is one picture: --fps goes with a sequence");
-  if (options.right.empty() || options.calibration.path.empty()) {
-    throw std::invalid_argument(options.input + " is one picture: --right and --calib are needed with it");
-  }
-  return announced(open_pair(options.input, options.right, options.calibration));
-}
-
-Sequence open_folder_of(const InputOptions& options) {
-  if (!options.right.empty()) {
-    throw std::invalid_argument(options.input +
-                                " is a folder, which holds its right pictures itself: --right goes with one picture");
-  }
-  return announced(open_sequence(options.input, options.fps, options.calibration));
-}
-
-/// FFmpeg shall drop a frame whose end is missing, instead of making up the rest, and leave the talking to us. It takes this
-/// from the environment only; what the user set there stays.
-void make_videos_strict() {
-  ::setenv("OPENCV_FFMPEG_CAPTURE_OPTIONS", "fflags;discardcorrupt", 0);
-  ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
 }
 
 bool is_terminal() { return ::isatty(STDERR_FILENO) != 0; }
@@ -93,59 +58,6 @@ DetectorParams make_params(const MethodOptions& options) {
   params = with_settings(params, settings);
   params.validate();
   return params;
-}
-
-void add_input_options(CLI::App& command, InputOptions& options) {
-  command
-      .add_option("INPUT", options.input,
-                  "Folder of a sequence in the KITTI layout or of EuRoC/ASL; a video with both "
-                  "eyes side by side; or the left picture of one pair (PNG or JPEG, 8 bit)")
-      ->required();
-  command.add_option("--right", options.right, "Right picture of the pair")->type_name("FILE");
-  command
-      .add_option("--calib", options.calibration.path,
-                  "Calibration of the pair, or of one half of side-by-side pictures, or of a folder in place of its calib.txt: "
-                  "KITTI, OpenCV, EuRoC, Kalibr, Middlebury, ROS or ZED, told apart by content")
-      ->type_name("FILE");
-  command
-      .add_option(
-          "--calib-right", options.calibration.right_path,
-          "Calibration of the right camera, for kinds with a file per camera. Without it a partner of --calib is looked "
-          "for by its name: left and right, cam0 and cam1")
-      ->type_name("FILE");
-  command
-      .add_option_function<std::string>(
-          "--pictures",
-          [&options](const std::string& state) {
-            options.calibration.pictures = state == "raw" ? PictureState::raw : PictureState::rectified;
-          },
-          "What the pictures are, for calibrations that describe both: raw or rectified")
-      ->type_name("STATE")
-      ->check(CLI::IsMember({"raw", "rectified"}).description(""));
-  command.add_flag("--side-by-side", options.side_by_side,
-                   "INPUT is a folder of pictures named by number, each with both eyes side by side. A video needs no flag");
-  command
-      .add_option("--fps", options.fps,
-                  "Frames per second of a sequence without times.txt, or of a video instead of what its file tells. Without it "
-                  "a frame without a time has its number as time")
-      ->type_name("F");
-}
-
-Sequence open_input(const InputOptions& options) {
-  std::error_code error;
-  const std::string& input = options.input;
-  if (!std::filesystem::exists(input, error)) throw std::runtime_error(input + ": no such file or folder");
-  const bool folder = std::filesystem::is_directory(input, error);
-  const bool picture = !folder && (is_picture_name(input) || !options.right.empty());
-  if (picture) return open_pair_of(options);
-  if (folder && !options.side_by_side) return open_folder_of(options);
-  if (!options.right.empty()) throw std::invalid_argument(input + " has both eyes side by side: --right goes with one picture");
-  if (options.calibration.path.empty()) {
-    throw std::invalid_argument(input + (folder ? " has both eyes side by side: --calib is needed with it"
-                                                : " is taken for a side-by-side video: --calib is needed with it"));
-  }
-  make_videos_strict();
-  return announced(open_side_by_side(input, options.calibration, options.fps));
 }
 
 void Faults::tell(const FrameReading& reading) {
@@ -188,7 +100,9 @@ bool is_interrupted() { return interrupted != 0; }
 void catch_interruption() { std::signal(SIGINT, note_interruption); }
 
 void say(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
+  // One line, and nothing that a terminal would obey: names and texts of files are in it.
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char letter) { return std::iscntrl(letter) != 0; }, ' ');
   fmt::print(stderr, "{}brink: {}\n", is_terminal() ? kClearLine : "", text);
 }
 

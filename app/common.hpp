@@ -12,7 +12,6 @@
 #include <Eigen/Geometry>
 #include <tbb/global_control.h>
 
-#include "brink/calibration.hpp"
 #include "brink/detector.hpp"
 #include "brink/sequence.hpp"
 
@@ -37,19 +36,6 @@ void add_method_options(CLI::App& command, MethodOptions& options);
 /// In this order, later ones winning: --method, --params, --matcher, --set.
 /// @throws std::invalid_argument or std::runtime_error (a parameter file) with the fault.
 DetectorParams make_params(const MethodOptions& options);
-
-/// The input of every command that looks at frames: a sequence, or a pair or side-by-side pictures with their calibration.
-struct InputOptions {
-  std::string input;
-  std::string right;
-  CalibrationFiles calibration;
-  bool side_by_side = false;
-  std::optional<double> fps;
-};
-void add_input_options(CLI::App& command, InputOptions& options);
-/// Says what the input was recognised as, and what is odd about it.
-/// @throws std::invalid_argument when the options do not go with the input, std::runtime_error when it cannot be read.
-Sequence open_input(const InputOptions& options);
 
 /// What happens with each frame, in order.
 using ProcessedFrame = std::function<void(const FrameReading&, const Detection&)>;

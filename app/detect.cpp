@@ -13,6 +13,7 @@
 #include "brink/trajectory.hpp"
 #include "brink/video.hpp"
 #include "common.hpp"
+#include "input.hpp"
 
 namespace brink::app {
 namespace {
@@ -118,7 +119,7 @@ std::vector<Eigen::Isometry3d> read_given_poses(const std::string& path, const S
 int detect(const DetectOptions& options) {
   DetectorParams params = make_params(options.method);
   const Sequence sequence = open_input(options.input);
-  const bool pair = !options.input.right.empty();
+  const bool pair = is_one_pair(options.input);
   params.stills = params.stills || options.stills || pair;
   const auto threads = limit_threads(options.threads);
   Overlay overlay(options.overlay, sequence);
@@ -174,6 +175,7 @@ Run add_detect(CLI::App& command) {
       "Examples:\n"
       "  brink detect walk/ --out walk.jsonl --overlay walk.mp4\n"
       "  brink detect left.png --right right.png --calib calib.txt\n"
+      "  brink detect 'left/*.png' --right 'right/*.png' --calib calib.txt --fps 15 --out walk.jsonl\n"
       "  brink detect side_by_side.mp4 --calib calib.txt --out walk.jsonl\n"
       "  brink detect potholes/ --stills --set candidates.min_depth_m=0.01\n"
       "Ctrl-C ends cleanly: what is done so far is written, and the exit code is 130.\n"

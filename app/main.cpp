@@ -73,12 +73,22 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
     return app.exit(help);
+  } catch (const CLI::ExtrasError&) {
+    const std::string word = app.remaining(true).front();
+    if (word.starts_with('-')) {
+      say(word + ": no such option (brink COMMAND --help lists them)");
+    } else if (app.get_subcommands().empty()) {
+      say(word + ": no such command (brink --help lists them)");
+    } else {
+      say(word + " was not expected here: a pattern such as 'left/*.png' must stand in quotes");
+    }
+    return kExitUsage;
   } catch (const CLI::ParseError& error) {
     say(fmt::format("{} (brink --help tells more)", error.what()));
     return kExitUsage;
   }
   if (app.get_subcommands().empty()) {
-    say("no command given, expected one of those that brink --help lists ");
+    say("no command given (brink --help lists them)");
     return kExitUsage;
   }
   return runs.at(app.get_subcommands().front())();

@@ -9,6 +9,7 @@
 #include "brink/files.hpp"
 #include "brink/trajectory.hpp"
 #include "common.hpp"
+#include "input.hpp"
 
 namespace brink::app {
 namespace {

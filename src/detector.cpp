@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <tbb/parallel_invoke.h>
 
+#include "ego_motion/exchanged_eyes.hpp"
+
 namespace brink {
 namespace {
 
@@ -26,6 +28,15 @@ void sort_out(std::vector<Candidate>&& selected, Detection& detection) {
   for (Candidate& candidate : selected) {
     (candidate.rejection ? detection.rejected : detection.candidates).push_back(std::move(candidate));
   }
+}
+
+/// Exchanged pictures show no ground, or a wrong one. Where it is seen well there is nothing to ask.
+void mistrust_exchanged_eyes(const Frame& frame, const EgoMotionParams& params, GroundEstimate& ground) {
+  if (ground.state == GroundState::seen) return;
+  const std::string reason = find_exchanged_eyes(frame.left, frame.right, params);
+  if (reason.empty()) return;
+  ground = {};
+  ground.reason = reason;
 }
 
 }  // namespace
@@ -105,6 +116,7 @@ Detection Detector::process(const Frame& frame) {
   // III.C.2 Ground surface
   Stopwatch stage;
   detection.ground = estimate_ground(detection.disparity, frame.camera, params_.ground, frame.gravity);
+  mistrust_exchanged_eyes(frame, params_.ego_motion, detection.ground);
   if (detection.ground.plane) {
     const GroundPlane& ground = *detection.ground.plane;
     detection.elevation = compute_elevation(detection.disparity, ground, frame.camera);

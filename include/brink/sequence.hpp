@@ -85,6 +85,17 @@ std::optional<Eigen::Vector3d> estimate_gravity(const std::vector<ImuSample>& sa
 /// @param samples ascending in time. @return empty unless readings cover the whole time without a gap of 0.1 s or more.
 std::optional<Eigen::Matrix3d> integrate_gyroscope(const std::vector<ImuSample>& samples, double from, double to);
 
+/// Where the times of frames come from that do not tell them: one of these at most; with none, the number of a frame is its
+/// time.
+struct TimeSource {
+  std::optional<double> fps = std::nullopt;  ///< frames per second: frame n is at n / fps
+  std::string file = {};                     ///< path of a file of seconds, one line a frame; "" = none
+  bool names = false;                        ///< the numbers in the pictures' names: ns, us or ms, or seconds with decimals
+
+  [[nodiscard]] bool is_given() const { return fps || names || !file.empty(); }
+  void validate() const;  ///< @throws std::invalid_argument when two are given, and unless fps is above 0, at most 100,000
+};
+
 /// Opens a folder in one of two layouts (docs/formats.md), told apart by what is in it.
 ///
 /// Pictures of all layouts are checked to have the calibration's size, and rectified where it says how (calibration.hpp).
@@ -92,26 +103,38 @@ std::optional<Eigen::Matrix3d> integrate_gyroscope(const std::vector<ImuSample>&
 /// KITTI odometry: calib.txt (of any kind; or calib.yaml, calib.conf), image_2 and image_3 or else image_0 and image_1 with
 /// pictures named by number, times.txt, and imu.csv, which gives each frame its gravity and its turn since the frame before.
 /// Frames run from the smallest number to the greatest, over both eyes; a number without a picture is a frame of its own with
-/// status no_picture. Without times.txt the time of a frame is its number, or its number / fps.
+/// status no_picture. Without times.txt the time of a frame is what `times` says: a file has a line for each frame number from
+/// 0.
 ///
 /// EuRoC/ASL: mav0/cam0 and mav0/cam1 with data.csv and sensor.yaml, and mav0/imu0 if there is one. Times are counted from the
 /// first frame.
-/// @param fps frames per second, for a KITTI layout without times.txt.
+/// @param times for a KITTI layout without times.txt; not from names: those are frame numbers.
 /// @param calibration of a KITTI layout, in place of its calib.txt; without a path only its `pictures` counts.
 /// @throws std::runtime_error "file: ..." when there are no pictures, names are no numbers, or a file other than a picture is
-/// at fault; std::invalid_argument when fps is not positive, or given where the times are known.
-Sequence open_sequence(const std::string& folder, std::optional<double> fps = std::nullopt,
-                       const CalibrationFiles& calibration = {});
+/// at fault; std::invalid_argument when `times` is not valid, or given where the times are known.
+Sequence open_sequence(const std::string& folder, const TimeSource& times = {}, const CalibrationFiles& calibration = {});
 
-/// Opens a video, or a folder of PNG or JPEG pictures named by number, in which both eyes' pictures stand side by
-/// side: the left half is the left eye. Frames that a video announces and that cannot be decoded have the status no_picture.
+/// Whether a path is meant as a pattern of many files: it is none itself, and holds *, ? or [ as glob(3) takes them, or the
+/// place of a number as printf has it (%d, %06d).
+bool is_pattern(const std::string& path);
+
+/// Opens the pictures that two patterns match, one for each eye. Numbers in the names (the last one of a name that differs from
+/// file to file) tell which belong together, what the frames' numbers are, and which are missing, as in a KITTI layout; numbers
+/// that are 5 apart count every fifth. Names that share no numbers are paired in their order, when both patterns match as many.
+/// @param calibration of the pair. @param times a file has a line for each frame, or for each frame number from 0.
+/// @throws std::runtime_error "pattern: ..." when one matches nothing, or two cannot be paired, "file: ..." when another file
+/// is at fault; std::invalid_argument when a pattern or `times` is not valid.
+Sequence open_pairs(const std::string& left, const std::string& right, const CalibrationFiles& calibration,
+                    const TimeSource& times = {});
+
+/// Opens a video, a folder of PNG or JPEG pictures named by number, or the pictures that a pattern matches, in which both eyes'
+/// pictures stand side by side: the left half is the left eye. Frames that a video announces and that cannot be decoded have
+/// the status no_picture.
 /// @param calibration for one half.
-/// @param fps frames per second. Without it a video has those of its file, a folder the times of its times.txt, and without
-/// that the time of a frame is its number.
-/// @throws std::runtime_error "file: ..." when a file is at fault; std::invalid_argument when fps is not positive, or given
-/// where times.txt tells the times.
-Sequence open_side_by_side(const std::string& input, const CalibrationFiles& calibration,
-                           std::optional<double> fps = std::nullopt);
+/// @param times in place of the frame rate that a video tells; for a folder without times.txt; for a pattern.
+/// @throws std::runtime_error "file: ..." when a file is at fault; std::invalid_argument when `times` is not valid, given where
+/// times.txt tells them, or from names and the input is no pattern.
+Sequence open_side_by_side(const std::string& input, const CalibrationFiles& calibration, const TimeSource& times = {});
 
 /// One pair as a sequence of one frame. Of the pictures no more than their size is looked at yet; one that is missing is told
 /// when the frame is read.

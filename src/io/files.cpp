@@ -23,7 +23,8 @@ namespace {
 
 // Devices, pipes and what hides behind /dev/stdout cannot be renamed into place.
 bool is_written_directly(const std::string& path) {
-  if (path.starts_with("/dev/") || path.starts_with("/proc/")) return true;
+  const bool in_memory = path.starts_with("/dev/shm/");  // files like any other
+  if ((path.starts_with("/dev/") && !in_memory) || path.starts_with("/proc/")) return true;
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
   return fs::exists(status) && !fs::is_regular_file(status);
@@ -44,9 +45,12 @@ std::string read_file(const std::string& path) {
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) throw std::runtime_error(path + ": no such file");
   if (fs::is_directory(status)) throw std::runtime_error(path + ": is a folder, expected a file");
+  errno = 0;
   std::ifstream file(path, std::ios::binary);
   std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file.is_open() || file.bad()) throw std::runtime_error(path + ": cannot be read");
+  if (!file.is_open() || file.bad()) {
+    throw std::runtime_error(fmt::format("{}: cannot be read: {}", path, std::generic_category().message(errno)));
+  }
   return bytes;
 }
 

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include <boost/crc.hpp>
+#include <fmt/format.h>
 
 namespace brink {
 namespace {
@@ -48,6 +49,9 @@ PictureHeader examine_png(std::string_view bytes) {
     sum.process_bytes(name.data(), length + name.size());
     if (sum.checksum() != number_at(chunk, length + 8, 4))
       throw std::runtime_error("is a damaged PNG picture: wrong check sum");
+    if (name == "IHDR" && at != kPngSignature.size()) {
+      throw std::runtime_error("is a damaged PNG picture: its header is not the first part");
+    }
     if (name == "IHDR" && length >= 13) {
       header.width = static_cast<int>(number_at(chunk, 8, 4));
       header.height = static_cast<int>(number_at(chunk, 12, 4));
@@ -96,6 +100,7 @@ PictureHeader examine_jpeg(const std::string& bytes) {
     const std::size_t length = number_at(bytes, at + 2, 2);
     if (length < 2 || at + 2 + length > bytes.size()) fail_truncated("JPEG");
     if (is_frame_header(marker) && length >= 8) {
+      if (header.channels != 0) throw std::runtime_error("is a damaged JPEG picture: two headers");
       header.bits = static_cast<int>(number_at(bytes, at + 4, 1));
       header.height = static_cast<int>(number_at(bytes, at + 5, 2));
       header.width = static_cast<int>(number_at(bytes, at + 7, 2));
@@ -110,9 +115,19 @@ PictureHeader examine_jpeg(const std::string& bytes) {
 
 PictureHeader examine_picture(const std::string& bytes) {
   if (bytes.empty()) throw std::runtime_error("is empty, expected a PNG or JPEG picture");
-  if (bytes.starts_with(kPngSignature)) return examine_png(bytes);
-  if (bytes.starts_with(kJpegSignature)) return examine_jpeg(bytes);
-  throw std::runtime_error("is not a PNG or JPEG picture");
+  PictureHeader header;
+  if (bytes.starts_with(kPngSignature)) {
+    header = examine_png(bytes);
+  } else if (bytes.starts_with(kJpegSignature)) {
+    header = examine_jpeg(bytes);
+  } else {
+    throw std::runtime_error("is not a PNG or JPEG picture");
+  }
+  if (std::int64_t{header.width} * header.height > kMostPixels) {
+    throw std::runtime_error(fmt::format("is a picture of {}x{} px, expected at most {} megapixels", header.width,
+                                         header.height, kMostPixels / 1'000'000));
+  }
+  return header;
 }
 
 }  // namespace brink

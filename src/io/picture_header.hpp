@@ -1,8 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace brink {
+
+/// Larger pictures are refused before they are decoded: a file of some kilobytes can hold gigabytes of black.
+inline constexpr std::int64_t kMostPixels = 64'000'000;
 
 /// What the header of a PNG or JPEG file tells, after the file was found to be whole from its first byte to its last.
 struct PictureHeader {
@@ -15,7 +19,7 @@ struct PictureHeader {
 };
 
 /// Looks at a picture file without decoding it, so that decoders meet no truncated one.
-/// @throws std::runtime_error with the fault, without the file's name.
+/// @throws std::runtime_error with the fault, without the file's name: also for more than kMostPixels.
 PictureHeader examine_picture(const std::string& bytes);
 
 }  // namespace brink

@@ -52,7 +52,8 @@ cv::Mat decode(const PictureHeader& header) {
   check_size(header);
   if (header.bits > kBits) throw std::runtime_error(fmt::format("is a {}-bit picture, expected 8-bit", header.bits));
   if (header.channels != 1 && header.channels != 3) {
-    throw std::runtime_error(fmt::format("has {} channels, expected 1 (grey) or 3 (colour)", header.channels));
+    throw std::runtime_error(
+        fmt::format("has {} channels, expected 1 (grey) or 3 (colour), without transparency", header.channels));
   }
   return decode_bytes(header, header.channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
 }

@@ -11,6 +11,7 @@
 
 #include "brink/calibration.hpp"
 #include "io/euroc.hpp"
+#include "io/picture_patterns.hpp"
 #include "io/picture_source.hpp"
 #include "io/rectification.hpp"
 #include "io/sequence_files.hpp"
@@ -41,7 +42,7 @@ void turn(std::vector<ImuSample>& samples, const Eigen::Matrix3d& rectified_from
   }
 }
 
-Sequence open_kitti(const fs::path& folder, std::optional<double> fps, const CalibrationFiles& given) {
+Sequence open_kitti(const fs::path& folder, const TimeSource& times, const CalibrationFiles& given) {
   const std::optional<Eyes> eyes = find_eyes(folder);
   if (!eyes) {
     throw std::runtime_error(folder.string() +
@@ -57,7 +58,7 @@ Sequence open_kitti(const fs::path& folder, std::optional<double> fps, const Cal
                  std::back_inserter(numbers));
   if (numbers.empty()) throw std::runtime_error(eyes->left.string() + ": holds no PNG or JPEG pictures");
   check_gaps(eyes->left, numbers);
-  const FrameClock clock(folder, numbers.back(), fps);
+  const FrameClock clock(folder, numbers.back(), times);
   std::vector<FrameFiles> files;
   for (int number = numbers.front(); number <= numbers.back(); ++number) {
     files.push_back({number, clock.at(number), picture_or_expected(left, eyes->left, number),
@@ -125,18 +126,20 @@ FrameReading Sequence::read(int position) const {
   return reading;
 }
 
-Sequence open_sequence(const std::string& folder, std::optional<double> fps, const CalibrationFiles& calibration) {
+Sequence open_sequence(const std::string& folder, const TimeSource& times, const CalibrationFiles& calibration) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) throw std::runtime_error(folder + ": no such folder");
   if (is_euroc(folder)) {
-    if (fps) throw std::invalid_argument(fmt::format("fps = {}, must not be given: {} tells the times", *fps, folder));
+    if (times.is_given()) {
+      throw std::invalid_argument(fmt::format("{}, must not be given: {} tells the times", to_string(times), folder));
+    }
     if (!calibration.path.empty()) {
       throw std::invalid_argument(
           fmt::format("calib = {}, must not be given: {} has a sensor.yaml for each camera", calibration.path, folder));
     }
     return open_euroc(folder, calibration.pictures);
   }
-  return open_kitti(folder, fps, calibration);
+  return open_kitti(folder, times, calibration);
 }
 
 Sequence open_pair(const std::string& left, const std::string& right, const CalibrationFiles& calibration) {
@@ -147,6 +150,18 @@ Sequence open_pair(const std::string& left, const std::string& right, const Cali
           std::make_unique<CalibratedSource>(std::make_unique<PictureFiles>(files), known),
           {},
           {fmt::format("{}: one pair; calibration: {}", left, describe(known))}};
+}
+
+Sequence open_pairs(const std::string& left, const std::string& right, const CalibrationFiles& calibration,
+                    const TimeSource& times) {
+  PatternFrames found = match_patterns(left, right, times);
+  const StereoCalibration known = read_calibration(calibration, first_picture_size(found.frames));
+  found.remarks.front() += "; calibration: " + describe(known);
+  return {known.camera,
+          stamps_of(found.frames),
+          std::make_unique<CalibratedSource>(std::make_unique<PictureFiles>(found.frames), known),
+          {},
+          std::move(found.remarks)};
 }
 
 }  // namespace brink

@@ -24,7 +24,8 @@ NumberedFiles list_pictures(const fs::path& folder) {
     if (hidden || !is_picture_name(path.string())) continue;
     const std::optional<int> number = parse_number<int>(path.stem().string());
     if (!number || *number < 0) {
-      throw std::runtime_error(fmt::format("{}: name is not a frame number, expected one like 000012.png", path.string()));
+      throw std::runtime_error(fmt::format(
+          "{}: name is not a frame number, expected one like 000012.png (a pattern in quotes takes any)", path.string()));
     }
     const auto [known, is_new] = pictures.emplace(*number, path.string());
     if (!is_new) {
@@ -35,24 +36,29 @@ NumberedFiles list_pictures(const fs::path& folder) {
   return pictures;
 }
 
-std::vector<double> read_times(const fs::path& path, int last_number) {
-  std::error_code error;
-  if (!fs::exists(path, error)) return {};
+std::vector<double> read_time_list(const std::string& path) {
   std::vector<double> times;
-  std::istringstream lines(read_file(path.string()));
+  std::istringstream lines(read_file(path));
   for (std::string line; std::getline(lines, line);) {
     if (trimmed(line).empty()) continue;
     const std::optional<double> time = parse_number(trimmed(line));
     const std::size_t number = times.size() + 1;
     if (!time) {
-      throw std::runtime_error(fmt::format("{}: time {} = {}, expected seconds", path.string(), number, trimmed(line)));
+      throw std::runtime_error(fmt::format("{}: time {} = {}, expected seconds", path, number, trimmed(line)));
     }
     if (!times.empty() && *time <= times.back()) {
       throw std::runtime_error(
-          fmt::format("{}: time {} = {}, expected more than the one before, {}", path.string(), number, *time, times.back()));
+          fmt::format("{}: time {} = {}, expected more than the one before, {}", path, number, *time, times.back()));
     }
     times.push_back(*time);
   }
+  return times;
+}
+
+std::vector<double> read_times(const fs::path& path, int last_number) {
+  std::error_code error;
+  if (!fs::exists(path, error)) return {};
+  std::vector<double> times = read_time_list(path.string());
   if (times.size() <= static_cast<std::size_t>(last_number)) {
     throw std::runtime_error(
         fmt::format("{}: has {} times, expected one for each frame from 0 to {}", path.string(), times.size(), last_number));
@@ -75,20 +81,35 @@ void check_gaps(const fs::path& folder, const std::vector<int>& numbers) {
   }
 }
 
-void check_fps(double fps) {
+std::string to_string(const TimeSource& source) {
+  if (source.fps) return fmt::format("fps = {}", *source.fps);
+  return "times = " + (source.names ? "names" : source.file);
+}
+
+void TimeSource::validate() const {
   constexpr double kMost = 1e5;
-  if (!(fps > 0.0) || fps > kMost) {
-    throw std::invalid_argument(fmt::format("fps = {}, must be more than 0 and at most {}", fps, kMost));
+  if (fps && (!(*fps > 0.0) || *fps > kMost)) {
+    throw std::invalid_argument(fmt::format("fps = {}, must be more than 0 and at most {}", *fps, kMost));
+  }
+  if ((fps ? 1 : 0) + (file.empty() ? 0 : 1) + (names ? 1 : 0) > 1) {
+    throw std::invalid_argument("times = " + (file.empty() ? "names" : file) + ", must not be given together with " +
+                                (fps ? fmt::format("fps = {}", *fps) : "names"));
   }
 }
 
-FrameClock::FrameClock(const fs::path& folder, int last_number, std::optional<double> fps)
-    : times_(read_times(folder / "times.txt", last_number)), fps_(fps.value_or(1.0)) {
-  check_fps(fps_);
-  if (fps && !times_.empty()) {
-    throw std::invalid_argument(
-        fmt::format("fps = {}, must not be given: {} tells the times", *fps, (folder / "times.txt").string()));
+FrameClock::FrameClock(const fs::path& folder, int last_number, const TimeSource& source) : fps_(source.fps.value_or(1.0)) {
+  source.validate();
+  const fs::path own = folder / "times.txt";
+  std::error_code error;
+  if (source.names) {
+    throw std::invalid_argument(fmt::format(
+        "times = names, must not be given: the names in {} are frame numbers (a pattern takes any)", folder.string()));
   }
+  if (source.is_given() && fs::exists(own, error)) {
+    throw std::invalid_argument(fmt::format("{}, must not be given: {} tells the times", to_string(source), own.string()));
+  }
+  times_ = read_times(source.file.empty() ? own : fs::path(source.file), last_number);
+  if (times_.empty() && !source.file.empty()) throw std::runtime_error(source.file + ": no such file");
 }
 
 double FrameClock::at(int number) const { return times_.empty() ? number / fps_ : times_[static_cast<std::size_t>(number)]; }

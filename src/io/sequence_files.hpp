@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "brink/calibration.hpp"
+#include "brink/sequence.hpp"
 
 namespace brink {
 
@@ -24,18 +25,23 @@ std::string picture_or_expected(const NumberedFiles& pictures, const std::filesy
 /// @param numbers ascending. @throws std::runtime_error "folder: ..."
 void check_gaps(const std::filesystem::path& folder, const std::vector<int>& numbers);
 
+/// Seconds, one a line. @throws std::runtime_error "path: ..." when it is missing, a line is no number, or times do not
+/// increase.
+std::vector<double> read_time_list(const std::string& path);
+
 /// times.txt: seconds, one line per frame number from 0. @return empty when there is no such file.
-/// @throws std::runtime_error "path: ..." when a line is no number, times do not increase, or there is none for last_number.
+/// @throws std::runtime_error as read_time_list, and when there is none for last_number.
 std::vector<double> read_times(const std::filesystem::path& path, int last_number);
 
-/// @throws std::invalid_argument unless the frame rate is more than 0 and at most 100,000 a second.
-void check_fps(double fps);
+/// "fps = 15", "times = names" or "times = FILE", for messages. @param source that is one of them.
+std::string to_string(const TimeSource& source);
 
-/// When the frames of a folder were taken: times.txt, else number / fps, else the number itself.
+/// When the frames of a folder were taken: times.txt or a file given in its place, else number / fps, else the number itself.
 class FrameClock {
  public:
-  /// @throws as read_times and check_fps do, and std::invalid_argument when there is times.txt and fps as well.
-  FrameClock(const std::filesystem::path& folder, int last_number, std::optional<double> fps);
+  /// @throws as read_times and TimeSource::validate do, and std::invalid_argument when there is times.txt and another source as
+  ///         well, or the source is names: those are the frames' numbers.
+  FrameClock(const std::filesystem::path& folder, int last_number, const TimeSource& source);
   /// s. @param number 0 .. last_number.
   [[nodiscard]] double at(int number) const;
 

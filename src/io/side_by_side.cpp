@@ -7,6 +7,7 @@
 
 #include "brink/calibration.hpp"
 #include "brink/pictures.hpp"
+#include "io/picture_patterns.hpp"
 #include "io/picture_source.hpp"
 #include "io/sequence_files.hpp"
 #include "io/video_file.hpp"
@@ -72,27 +73,35 @@ Sequence calibrated(const StereoCalibration& calibration, std::vector<FrameStamp
           {fmt::format("{}; calibration: {}", what, describe(calibration))}};
 }
 
-Sequence open_video(const std::string& path, const CalibrationFiles& calibration, std::optional<double> given_fps) {
+Sequence open_video(const std::string& path, const CalibrationFiles& calibration, const TimeSource& times) {
+  if (times.names) throw std::invalid_argument("times = names, must not be given: " + path + " is a video");
   VideoFile video(path);
   const cv::Size half = half_of(path, video.size());
   const StereoCalibration known = read_calibration(calibration, half);
-  const double fps = given_fps.value_or(video.fps());
+  const std::vector<double> listed = times.file.empty() ? std::vector<double>() : read_time_list(times.file);
+  if (!times.file.empty() && std::ssize(listed) != video.frames()) {
+    throw std::runtime_error(
+        fmt::format("{}: has {} times, expected one for each of {} frames", times.file, listed.size(), video.frames()));
+  }
+  const double fps = times.fps.value_or(video.fps());
   if (fps == 0.0) throw std::runtime_error(path + ": tells no frame rate, expected it to be given (fps)");
   std::vector<FrameStamp> stamps;
   stamps.reserve(static_cast<std::size_t>(video.frames()));
-  for (int index = 0; index < video.frames(); ++index) stamps.push_back({index, index / fps});
+  for (int index = 0; index < video.frames(); ++index) {
+    stamps.push_back({index, listed.empty() ? index / fps : listed[static_cast<std::size_t>(index)]});
+  }
   const std::string what = fmt::format("{}: side-by-side video, {} frames of 2 x {}x{} px, {:.4g} a second", path,
                                        video.frames(), half.width, half.height, fps);
   return calibrated(known, std::move(stamps), std::make_unique<SideBySideVideo>(path, std::move(video)), what);
 }
 
-Sequence open_folder(const fs::path& folder, const CalibrationFiles& calibration, std::optional<double> fps) {
+Sequence open_folder(const fs::path& folder, const CalibrationFiles& calibration, const TimeSource& times) {
   const NumberedFiles pictures = list_pictures(folder);
   if (pictures.empty()) throw std::runtime_error(folder.string() + ": holds no PNG or JPEG pictures");
   std::vector<int> numbers;
   for (const auto& picture : pictures) numbers.push_back(picture.first);
   check_gaps(folder, numbers);
-  const FrameClock clock(folder, numbers.back(), fps);
+  const FrameClock clock(folder, numbers.back(), times);
   std::vector<FrameStamp> stamps;
   std::vector<FrameFiles> files;
   for (int number = numbers.front(); number <= numbers.back(); ++number) {
@@ -105,12 +114,23 @@ Sequence open_folder(const fs::path& folder, const CalibrationFiles& calibration
   return calibrated(known, std::move(stamps), std::make_unique<SideBySidePictures>(std::move(files)), what);
 }
 
+Sequence open_pattern(const std::string& pattern, const CalibrationFiles& calibration, const TimeSource& times) {
+  PatternFrames found = match_patterns(pattern, "", times);
+  const cv::Size both = first_picture_size(found.frames);
+  const StereoCalibration known = read_calibration(calibration, {both.width / 2, both.height});
+  std::vector<FrameStamp> stamps;
+  for (const FrameFiles& frame : found.frames) stamps.push_back({frame.index, frame.time});
+  return calibrated(known, std::move(stamps), std::make_unique<SideBySidePictures>(std::move(found.frames)),
+                    found.remarks.front() + ", side by side");
+}
+
 }  // namespace
 
-Sequence open_side_by_side(const std::string& input, const CalibrationFiles& calibration, std::optional<double> fps) {
-  if (fps) check_fps(*fps);
+Sequence open_side_by_side(const std::string& input, const CalibrationFiles& calibration, const TimeSource& times) {
+  times.validate();
   std::error_code error;
-  return fs::is_directory(input, error) ? open_folder(input, calibration, fps) : open_video(input, calibration, fps);
+  if (is_pattern(input)) return open_pattern(input, calibration, times);
+  return fs::is_directory(input, error) ? open_folder(input, calibration, times) : open_video(input, calibration, times);
 }
 
 }  // namespace brink

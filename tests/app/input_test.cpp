@@ -54,6 +54,10 @@ TEST(Input, OnePairIsFoundTheSameInEveryLayout) {
   (void)folder.add("kitti/image_0/0.png", encode_png(pair.left));
   (void)folder.add("kitti/image_1/0.png", encode_png(pair.right));
   EXPECT_EQ(obstacles_of(folder / "kitti --fps 15"), expected);
+  EXPECT_EQ(
+      obstacles_of(fmt::format("'{0}/image_0/*.png' --right '{0}/image_1/%d.png' --fps 15{1}", folder / "kitti", calibration)),
+      expected);
+  EXPECT_EQ(obstacles_of(fmt::format("'{}/*.png' --side-by-side{}", folder / "walk", calibration)), expected);
 }
 
 // The file ends in the middle of a picture: that one is not made up, and all that are missing are told in one line.
@@ -121,8 +125,8 @@ TEST_F(BadInputKind, OptionsThatDoNotGoTogether) {
   expect_refusal(folder + " --side-by-side --right " + picture_ + calib_, 2, "--right goes with one picture");
   expect_refusal(folder + " --right " + picture_ + calib_, 2, "--right goes with one picture");
   expect_refusal(folder + " --pictures square", 2, "--pictures");
-  expect_refusal(picture_ + " --side-by-side" + calib_, 2, "--side-by-side goes with a folder or a video");
-  expect_refusal(picture_ + " --fps 15 --right " + picture_ + calib_, 2, "--fps goes with a sequence");
+  expect_refusal(picture_ + " --side-by-side" + calib_, 2, "--side-by-side goes with a folder, a pattern or a video");
+  expect_refusal(picture_ + " --fps 15 --right " + picture_ + calib_, 2, "--fps and --times go with a sequence");
   expect_refusal(folder + " --side-by-side --fps 0" + calib_, 2, "fps = 0, must be more than 0");
   expect_refusal(folder + " --fps fast", 2, "--fps");
 }

@@ -51,7 +51,7 @@ class RosFiles {
     (void)folder_.add("right.yaml", test::ros_text(rig_.right, Eigen::Matrix3d::Identity(), {350, 335.5, 187.5, tx}));
     (void)folder_.add("left.yaml", test::ros_text(rig_.left, Eigen::Matrix3d::Identity(), {350, 335.5, 187.5, 0}));
   }
-  [[nodiscard]] StereoCalibration read(std::optional<PictureState> pictures) const {
+  StereoCalibration read(std::optional<PictureState> pictures) const {
     return read_calibration({folder_ / "left.yaml", "", pictures}, kSize);
   }
   [[nodiscard]] std::string fault() const {
@@ -61,6 +61,15 @@ class RosFiles {
   test::TemporaryFolder folder_;
   test::StereoRig rig_;
 };
+
+TEST(Calibration, ForPicturesOfGigabytesIsRefused) {
+  const auto of_size = [](int width, int height) {
+    return fmt::format("%YAML:1.0\n---\nimage_width: {}\nimage_height: {}\n", width, height) +
+           test::opencv_matrix("Q", 4, 4, {1, 0, 0, -335, 0, 1, 0, -187, 0, 0, 0, 350, 0, 0, 8, 0});
+  };
+  test::expect_line_with(fault(of_size(20000, 20000)), "is for pictures of 20000x20000 px, expected at most 64 megapixels");
+  test::expect_line_with(fault(of_size(60000000, 1)), "60000000, expected whole numbers from 1 to 20000 px");
+}
 
 using Writer = std::string (*)(const test::StereoRig&);
 

@@ -158,7 +158,7 @@ std::vector<Sequence> open_every_layout(const test::TemporaryFolder& folder, con
   video.release();
   std::vector<Sequence> sequences;
   sequences.push_back(open_pair(left, right, files));
-  sequences.push_back(open_sequence(folder / "kitti", std::nullopt, files));
+  sequences.push_back(open_sequence(folder / "kitti", {}, files));
   sequences.push_back(open_side_by_side(folder / "both", files));
   sequences.push_back(open_side_by_side(folder / "both.avi", files));
   return sequences;

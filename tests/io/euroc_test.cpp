@@ -160,7 +160,7 @@ TEST(Euroc, RefusesFaultyFiles) {
   expect("mav0/imu0/data.csv", "1,2,3\n", "line 1 = 1,2,3, expected 7 fields");
   expect("mav0/imu0/data.csv", "1,0,0,x,0,0,0\n", "line 1, number 4 = x, expected a finite number");
   expect("mav0/imu0/data.csv", "2,0,0,0,0,0,0\n1,0,0,0,0,0,0\n", "line 2: time 1, expected more than the one before");
-  test::expect_line_with(test::error_of<std::invalid_argument>([&] { open_sequence(folder / "", 20.0); }),
+  test::expect_line_with(test::error_of<std::invalid_argument>([&] { open_sequence(folder / "", {.fps = 20.0}); }),
                          "fps = 20, must not be given");
 }
 

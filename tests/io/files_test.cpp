@@ -1,5 +1,6 @@
 #include "brink/files.hpp"
 
+#include <cstdlib>
 #include <filesystem>
 #include <set>
 #include <stdexcept>
@@ -24,6 +25,14 @@ TEST(OutputFile, AppearsWholeWhenItIsCommitted) {
   file.commit();
   EXPECT_EQ(read_file(folder / "out"), "one two");
   EXPECT_EQ(folder.list(), Names{"out"});
+}
+
+TEST(OutputFile, InSharedMemoryIsAFileLikeAnyOther) {
+  std::string folder = "/dev/shm/brink_test_XXXXXX";
+  if (::mkdtemp(folder.data()) == nullptr) GTEST_SKIP() << "no /dev/shm here";
+  write_file(folder + "/out", "whole");
+  EXPECT_EQ(read_file(folder + "/out"), "whole");
+  std::filesystem::remove_all(folder);
 }
 
 TEST(OutputFile, LeavesNothingWithoutCommit) {

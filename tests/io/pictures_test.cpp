@@ -83,6 +83,23 @@ TEST(ReadPicture, RefusesDamagedPictures) {
   test::expect_line_with(fault(jpeg), "is a damaged JPEG picture");
 }
 
+// Decoders go by the first header, the check must not go by another one.
+TEST(ReadPicture, RefusesASecondHeader) {
+  const std::string png = encoded(".png", noise(CV_8UC1));
+  constexpr std::size_t kHeaderEnd = 8 + 25;
+  test::expect_line_with(fault(png.substr(0, kHeaderEnd) + png.substr(8)), "its header is not the first part");
+  const std::string jpeg = encoded(".jpg", noise(CV_8UC1));
+  const std::size_t frame = jpeg.find("\xff\xc0");
+  const std::size_t length = 2 + 256 * static_cast<uchar>(jpeg[frame + 2]) + static_cast<uchar>(jpeg[frame + 3]);
+  test::expect_line_with(fault(jpeg.substr(0, frame + length) + jpeg.substr(frame)), "is a damaged JPEG picture: two headers");
+}
+
+TEST(ReadPicture, RefusesHugePicturesBeforeDecodingThem) {
+  const std::string huge = encoded(".png", cv::Mat1b(10000, 10000, uchar{0}));
+  EXPECT_LT(huge.size(), 1'000'000U);
+  test::expect_line_with(fault(huge), "is a picture of 10000x10000 px, expected at most 64 megapixels");
+}
+
 TEST(ReadPicture, RefusesWhatCannotBeMatched) {
   test::expect_line_with(fault(encoded(".png", noise(CV_16UC1))), "is a 16-bit picture, expected 8-bit");
   test::expect_line_with(fault(encoded(".png", noise(CV_8UC4))), "has 4 channels, expected 1 (grey) or 3 (colour)");

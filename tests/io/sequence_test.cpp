@@ -77,9 +77,9 @@ TEST(OpenSequence, TakesTheNumberAsTimeWithoutTimes) {
 TEST(OpenSequence, TakesTheTimeFromTheFrameRateThatIsGiven) {
   const test::TemporaryFolder folder;
   fill(folder);
-  EXPECT_EQ(open_sequence(folder / "", 8.0).read(2).frame.time, 0.25);
+  EXPECT_EQ(open_sequence(folder / "", {.fps = 8.0}).read(2).frame.time, 0.25);
   const auto refusal = [&](double fps) {
-    return test::error_of<std::invalid_argument>([&] { open_sequence(folder / "", fps); });
+    return test::error_of<std::invalid_argument>([&] { open_sequence(folder / "", {.fps = fps}); });
   };
   test::expect_line_with(refusal(0.0), "fps = 0, must be more than 0");
   test::expect_line_with(refusal(std::nan("")), "fps = nan, must be more than 0");

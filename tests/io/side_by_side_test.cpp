@@ -53,7 +53,7 @@ class SideBySide : public ::testing::Test {
  protected:
   [[nodiscard]] std::string path(const std::string& name) const { return folder_ / name; }
   Sequence open(const std::string& name, std::optional<double> fps = std::nullopt) const {
-    return open_side_by_side(folder_ / name, {calibration_}, fps);
+    return open_side_by_side(folder_ / name, {calibration_}, {.fps = fps});
   }
   [[nodiscard]] std::string fault(const std::string& name) const {
     return test::error_of<std::runtime_error>([&] { open(name); });

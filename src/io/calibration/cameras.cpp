@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <set>
 #include <stdexcept>
@@ -10,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "io/picture_header.hpp"
 #include "io/yaml_fields.hpp"
 
 namespace brink {
@@ -30,9 +32,13 @@ const std::string& file_of_pair(const CalibrationRequest& request) {
 }
 
 void check_picture_size(const CalibrationRequest& request, cv::Size size) {
+  if (std::int64_t{size.width} * size.height > kMostPixels) {  // rectification takes six bytes a pixel and eye
+    fail_file(request.files.path, fmt::format("is for pictures of {}x{} px, expected at most {} megapixels", size.width,
+                                              size.height, kMostPixels / 1'000'000));
+  }
   const cv::Size& pictures = request.picture_size;
   if (pictures.empty() || size.empty() || pictures == size) return;
-  const bool scaled = pictures.width * size.height == pictures.height * size.width;
+  const bool scaled = std::int64_t{pictures.width} * size.height == std::int64_t{pictures.height} * size.width;
   const std::string hint = scaled ? fmt::format(" ({:.4g} times as large): scaled pictures need a calibration of their own",
                                                 static_cast<double>(pictures.width) / size.width)
                                   : "";
