@@ -103,8 +103,8 @@ int bench(const BenchOptions& options) {
   const std::vector<Frame> frames = decode(open_input(options.input), options.frames);
   if (frames.empty()) return kExitData;
   Json result = {{"frames", frames.size()},
-                 {"width", frames.front().left.cols},
-                 {"height", frames.front().left.rows},
+                 {"width", frames.front().size().width},
+                 {"height", frames.front().size().height},
                  {"repeat", options.repeat},
                  {"threads", options.threads > 0 ? Json(options.threads) : Json()}};
   result["times_ms"] = summarise(measure(frames, params, options.repeat));

@@ -81,7 +81,8 @@ class Overlay {
 
   void add(const Frame& frame, const Detection& detection, const CandidateParams& params) {
     const std::optional<EgoMotion>& motion = detection.ego_motion.motion;
-    trail_.add(motion ? std::optional(motion->current_from_previous) : std::nullopt);
+    const bool is_known = motion && detection.ego_motion_state != EgoMotionState::ground;  // that tells no place
+    trail_.add(is_known ? std::optional(motion->current_from_previous) : std::nullopt);
     if (video_) video_->write(draw_video_frame(frame, detection, trail_.path(), ego_motion_text(detection), params));
     if (folder_ && detection.status == FrameStatus::ok) write_pictures(frame, detection, params);
   }
@@ -175,6 +176,7 @@ Run add_detect(CLI::App& command) {
       "Examples:\n"
       "  brink detect walk/ --out walk.jsonl --overlay walk.mp4\n"
       "  brink detect left.png --right right.png --calib calib.txt\n"
+      "  brink detect left.png --right depth.png --as depth --calib calib.txt\n"
       "  brink detect 'left/*.png' --right 'right/*.png' --calib calib.txt --fps 15 --out walk.jsonl\n"
       "  brink detect side_by_side.mp4 --calib calib.txt --out walk.jsonl\n"
       "  brink detect potholes/ --stills --set candidates.min_depth_m=0.01\n"

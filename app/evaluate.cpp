@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -31,6 +32,7 @@ struct EvaluateOptions {
   std::string disparity;
   std::string mask;
   std::string out = "-";
+  std::optional<DepthKind> as;
   bool run = false;
   bool stills = false;
   bool json = false;
@@ -82,8 +84,11 @@ std::vector<EvaluationPair> list_pairs(const EvaluateOptions& options) {
       throw std::invalid_argument(
           "--suite DIR goes with --results DIR, which holds NAME.jsonl of each sequence, and without --truth");
     }
-    return list_suite(options.suite, options.results);
+    std::vector<EvaluationPair> pairs = list_suite(options.suite, options.results);
+    for (EvaluationPair& pair : pairs) pair.as = options.as;
+    return pairs;
   }
+  if (options.as) throw std::invalid_argument("--as goes with --suite");
   if (options.run) throw std::invalid_argument("--run goes with --suite");
   if (options.detections.empty() || options.detections.size() != options.truth.size()) {
     throw std::invalid_argument(
@@ -143,6 +148,9 @@ void add_run_options(CLI::App& command, EvaluateOptions& options) {
   command.add_option("--results", options.results, "Folder of NAME.jsonl for each sequence NAME of the suite")
       ->type_name("DIR");
   command.add_flag("--run", options.run, "First detect in every sequence of the suite whose NAME.jsonl is missing");
+  add_as_option(command, options.as,
+                "With --suite: detect from the disparity/ or depth/ of each sequence, with its left pictures if there are any: "
+                "an ideal sensor");
   command.add_flag("--stills", options.stills, "With --run: as brink detect --stills");
   add_method_options(command, options.method);
   add_threads_option(command, options.threads);

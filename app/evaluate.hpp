@@ -1,19 +1,24 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "brink/evaluation.hpp"
 #include "common.hpp"
+#include "input.hpp"
 
 namespace brink::app {
 
 /// Detections and the sequence whose truth they are compared with.
 struct EvaluationPair {
-  std::string name;        ///< of the sequence's folder
-  std::string detections;  ///< file
-  std::string truth;       ///< folder
+  std::string name;                            ///< of the sequence's folder
+  std::string detections;                      ///< file
+  std::string truth;                           ///< folder
+  std::optional<DepthKind> as = std::nullopt;  ///< what its detections are made from in place of right pictures
 };
+/// The sequence that the detections are made from. @throws as open_sequence does.
+Sequence open_sequence_of(const EvaluationPair& pair);
 
 /// What an evaluation of detections writes beside the scores; empty = not.
 struct EvaluationOutputs {

@@ -15,6 +15,7 @@
 #include "brink/detections.hpp"
 #include "brink/evaluation_report.hpp"
 #include "brink/files.hpp"
+#include "brink/overlay.hpp"
 #include "brink/pictures.hpp"
 #include "evaluate.hpp"
 
@@ -97,7 +98,7 @@ std::set<std::size_t> choose(const std::vector<Fault>& faults, int wanted) {
 class PairReader {
  public:
   explicit PairReader(const EvaluationPair& pair)
-      : detections_(read_detections(pair.detections)), truth_(pair.truth), sequence_(open_sequence(pair.truth)) {}
+      : detections_(read_detections(pair.detections)), truth_(pair.truth), sequence_(open_sequence_of(pair)) {}
   [[nodiscard]] const Detection& detection(std::size_t position) const { return detections_.at(position); }
   [[nodiscard]] const FrameTruth& truth(std::size_t position) {
     if (frame_ != position || last_.negative.empty()) last_ = truth_.read(static_cast<int>(position));
@@ -116,7 +117,8 @@ class PairReader {
         std::find_if(stamps.begin(), stamps.end(), [number](const FrameStamp& one) { return one.index == number; });
     if (stamp == stamps.end()) return {};
     const Frame frame = sequence_.read(static_cast<int>(std::distance(stamps.begin(), stamp))).frame;
-    if (!frame.left_color.empty() || frame.left.empty()) return frame.left_color;
+    if (!frame.left_color.empty()) return frame.left_color;
+    if (frame.left.empty()) return draw_disparity(frame.disparity);
     cv::Mat3b picture;
     cv::merge(std::vector<cv::Mat>(3, frame.left), picture);
     return picture;

@@ -66,10 +66,15 @@ std::vector<EvaluationPair> list_suite(const std::string& suite, const std::stri
   return pairs;
 }
 
+Sequence open_sequence_of(const EvaluationPair& pair) {
+  return pair.as ? open_depth_sequence(pair.truth, *pair.as) : open_sequence(pair.truth);
+}
+
 void run_missing(const std::vector<EvaluationPair>& pairs, const std::string& results, const DetectorParams& params) {
   const OutputFolder folder(results);
   const std::string noted = folder.file("parameters.yaml");
-  const std::string recipe = fmt::format("# brink {}\n{}stills: {}\n", BRINK_VERSION, to_yaml(params), params.stills);
+  std::string recipe = fmt::format("# brink {}\n{}stills: {}\n", BRINK_VERSION, to_yaml(params), params.stills);
+  if (pairs.front().as) recipe += fmt::format("as: {}\n", to_string(*pairs.front().as));
   std::error_code error;
   if (!fs::exists(noted, error)) {
     write_file(noted, recipe);
@@ -80,7 +85,7 @@ void run_missing(const std::vector<EvaluationPair>& pairs, const std::string& re
     if (fs::exists(pair.detections, error)) continue;
     OutputFile out(pair.detections);
     const auto on_frame = [&out](const FrameReading&, const Detection& detection) { out.write(to_json_line(detection)); };
-    if (!process_sequence(open_sequence(pair.truth), params, on_frame)) {
+    if (!process_sequence(open_sequence_of(pair), params, on_frame)) {
       throw std::runtime_error(pair.truth + ": interrupted; the same command goes on with this sequence");
     }
     out.commit();

@@ -51,6 +51,28 @@ Sequence open_folder_of(const InputOptions& options) {
   return announced(open_sequence(options.input, options.times, options.calibration));
 }
 
+/// Disparities or depths with left pictures, or without.
+Sequence open_depth_of(const InputOptions& options) {
+  std::error_code error;
+  const std::string& input = options.input;
+  const bool alone = options.right.empty();
+  if (options.side_by_side) throw std::invalid_argument("--as goes with one left picture or none, not with --side-by-side");
+  ::setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);  // the user says what the file is; what is set there stays
+  if (std::filesystem::is_directory(input, error)) {
+    if (!alone) refuse(input, " is a folder, which holds its disparities or depths itself: --right goes with one picture");
+    return open_depth_sequence(input, *options.as, options.times, options.calibration);
+  }
+  if (options.calibration.path.empty()) refuse(input, " is no folder: --calib is needed with it");
+  if (!alone && is_pattern(input) != is_pattern(options.right)) {
+    refuse(input, fmt::format(" and --right {} must be of one kind: both pictures or both patterns", options.right));
+  }
+  const std::string left = alone ? "" : input;
+  const std::string& depth = alone ? input : options.right;
+  if (is_pattern(input)) return open_depth_patterns(left, depth, *options.as, options.calibration, options.times);
+  if (options.times.is_given()) refuse(input, " is one picture: --fps and --times go with a sequence");
+  return open_depth_files({{0, 0.0, left, depth}}, *options.as, options.calibration);
+}
+
 /// FFmpeg shall drop a frame whose end is missing, instead of making up the rest, and leave the talking to us. It takes this
 /// from the environment only; what the user set there stays.
 void make_videos_strict() {
@@ -59,6 +81,15 @@ void make_videos_strict() {
 }
 
 }  // namespace
+
+void add_as_option(CLI::App& command, std::optional<DepthKind>& as, const std::string& description) {
+  command
+      .add_option_function<std::string>(
+          "--as", [&as](const std::string& kind) { as = kind == "depth" ? DepthKind::depth : DepthKind::disparity; },
+          description)
+      ->type_name("KIND")
+      ->check(CLI::IsMember({"disparity", "depth"}).description(""));
+}
 
 void add_input_options(CLI::App& command, InputOptions& options) {
   command
@@ -89,6 +120,11 @@ void add_input_options(CLI::App& command, InputOptions& options) {
           "What the pictures are, for calibrations that describe both: raw or rectified")
       ->type_name("STATE")
       ->check(CLI::IsMember({"raw", "rectified"}).description(""));
+  add_as_option(
+      command, options.as,
+      "disparity or depth: what takes the place of the right picture. --right is such an image, or INPUT itself where "
+      "there is no picture; a folder has them in disparity/ or depth/. 16-bit PNG or TIFF (disparity times 256, depth "
+      "in mm), or float TIFF, PFM or OpenEXR (px, m)");
   command.add_flag("--side-by-side", options.side_by_side,
                    "INPUT is a folder of pictures named by number, or a pattern, each with both eyes side by side. A video "
                    "needs no flag");
@@ -114,10 +150,14 @@ Sequence open_input(const InputOptions& options) {
   const std::string& input = options.input;
   const bool pattern = is_pattern(input);
   if (!pattern && !std::filesystem::exists(input, error)) throw std::runtime_error(input + ": no such file or folder");
+  if (options.as) return announced(open_depth_of(options));
   const bool folder = std::filesystem::is_directory(input, error);
   if (pattern && !options.side_by_side) return open_pairs_of(options);
   if (is_one_pair(options)) return open_pair_of(options);
   if (folder && !options.side_by_side) return open_folder_of(options);
+  if (!folder && !pattern && is_depth_name(input)) {
+    refuse(input, " holds disparities or depths: --as disparity or --as depth tells which");
+  }
   if (!options.right.empty()) refuse(input, " has both eyes side by side: --right goes with one picture or a pattern");
   if (options.calibration.path.empty()) {
     refuse(input, folder || pattern ? " has both eyes side by side: --calib is needed with it"
@@ -130,7 +170,7 @@ Sequence open_input(const InputOptions& options) {
 bool is_one_pair(const InputOptions& options) {
   std::error_code error;
   const bool file = !is_pattern(options.input) && !std::filesystem::is_directory(options.input, error);
-  return file && (is_picture_name(options.input) || !options.right.empty());
+  return file && (is_picture_name(options.input) || !options.right.empty() || options.as.has_value());
 }
 
 }  // namespace brink::app

@@ -1,5 +1,6 @@
 #include <map>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include <Eigen/Geometry>
@@ -62,6 +63,7 @@ class PathBuilder {
 
  private:
   void add_motion(const Frame& frame) {
+    if (frame.left.empty()) throw std::runtime_error("there are no left pictures: the path of the camera is measured in them");
     const EgoMotionEstimate estimated = estimator_.estimate(frame);
     if (estimated.motion) {
       world_from_camera_ = world_from_camera_ * estimated.motion->current_from_previous.inverse();

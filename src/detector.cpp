@@ -84,9 +84,11 @@ std::string to_string(EgoMotionState state) {
     case EgoMotionState::failed:
       return "failed";
     case EgoMotionState::given:
+      return "given";
+    case EgoMotionState::ground:
       break;
   }
-  return "given";
+  return "ground";
 }
 
 Detector::Detector(const DetectorParams& params) : params_(params), ego_motion_(params.ego_motion), tracker_(params.tracking) {
@@ -95,16 +97,18 @@ Detector::Detector(const DetectorParams& params) : params_(params), ego_motion_(
 }
 
 Detection Detector::process(const Frame& frame) {
+  frame.validate();
   Detection detection;
   detection.frame = frame.index;
   detection.time = frame.time;
+  if (frame.left.empty()) detection.no_disparity_off = "no left picture";
   Stopwatch whole;
 
-  // III.C.1 Disparity map; III.C.4 Ego-motion, which does not depend on it, beside it
+  // III.C.1 Disparity map, unless it is given; III.C.4 Ego-motion, which does not depend on it, beside it
   tbb::parallel_invoke(
       [&] {
         Stopwatch stage;
-        detection.disparity = matcher_->compute(frame.left, frame.right);
+        detection.disparity = frame.disparity.empty() ? matcher_->compute(frame.left, frame.right) : frame.disparity;
         detection.times.disparity = stage.lap_ms();
       },
       [&] {
@@ -126,7 +130,7 @@ Detection Detector::process(const Frame& frame) {
     }
     detection.times.ground = stage.lap_ms();
 
-    // III.C.3 Candidates: Type 1, then Type 2
+    // III.C.3 Candidates: Type 1, then Type 2, for which there must be a picture
     sort_out(select_below_ground(frame, detection.disparity, detection.elevation, ground, params_.candidates), detection);
     detection.times.below_ground = stage.lap_ms();
     sort_out(select_no_disparity(frame, detection.disparity, detection.elevation, ground, params_.candidates), detection);
@@ -136,6 +140,7 @@ Detection Detector::process(const Frame& frame) {
   }
 
   // III.C.4 Tracking and validation
+  align_grounds(frame, detection);
   report(frame, detection);
   detection.times.tracking = stage.lap_ms();
   detection.times.total = whole.lap_ms();
@@ -144,6 +149,7 @@ Detection Detector::process(const Frame& frame) {
 
 Detection Detector::process_failed(int frame, double time, FrameStatus status, const std::string& reason) {
   last_world_from_camera_.reset();
+  last_ground_.reset();
   if (!params_.stills) tracker_.miss(time);
   return make_failed_detection(frame, time, status, reason);
 }
@@ -159,6 +165,23 @@ void Detector::estimate_ego_motion(const Frame& frame, Detection& detection) {
   }
   detection.ego_motion = ego_motion_.estimate(frame);
   detection.ego_motion_state = detection.ego_motion.motion ? EgoMotionState::ok : EgoMotionState::failed;
+}
+
+// Without a picture the motion cannot be measured; what both grounds tell of it is enough to follow what is seen from frame to
+// frame. Never in place of a measurement that failed: that ends all tracks.
+void Detector::align_grounds(const Frame& frame, Detection& detection) {
+  std::optional<GroundPose> ground;
+  if (detection.ground.plane) ground = detection.ground.pose;
+  const std::optional<GroundPose> last = std::exchange(last_ground_, ground);
+  const bool wanted = detection.ego_motion_state == EgoMotionState::failed && frame.left.empty();
+  if (!wanted) return;
+  if (!last || !ground) {
+    detection.ego_motion.reason = "no left picture, and not a ground in both this frame and the last one";
+    return;
+  }
+  detection.ego_motion = {};
+  detection.ego_motion.motion = EgoMotion{.current_from_previous = compute_ground_motion(*last, *ground)};
+  detection.ego_motion_state = EgoMotionState::ground;
 }
 
 void Detector::report(const Frame& frame, Detection& detection) {

@@ -1,5 +1,6 @@
 #include "brink/detector.hpp"
 
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -170,6 +171,103 @@ TEST(Detector, RefusesFramesOutOfOrder) {
   Detector detector;
   (void)detector.process(at_pose(frame, 1, kRest));
   EXPECT_THROW((void)detector.process(at_pose(frame, 0, kRest)), std::invalid_argument);
+}
+
+/// Flat ground with a hole 0.5 m deep, its rim 2.2 m away, as a depth sensor sees it that is carried in this way.
+cv::Mat1f hole_disparity(double height_m = 1.6, double pitch_deg = 30.0) {
+  const StereoCamera camera = test::half_size_camera();
+  const GroundPlane plane = make_ground_plane(height_m, pitch_deg, 0.0, camera);
+  return test::make_disparity(camera, test::half_size(), plane, {{2.2, 2.9, -0.3, 0.6, 0.5}});
+}
+
+TEST(Detector, TakesAGivenDisparityInPlaceOfMatching) {
+  const cv::Mat1f disparity = hole_disparity();
+  const cv::Mat1b bright(test::half_size(), uchar{120});
+  const Detection detection =
+      Detector(stills()).process(make_frame_with_disparity(bright, disparity, test::half_size_camera()));
+  EXPECT_EQ(cv::norm(detection.disparity, disparity, cv::NORM_INF), 0.0);
+  EXPECT_EQ(detection.no_disparity_off, "");
+  ASSERT_EQ(detection.obstacles.size(), 1U);
+  const Candidate& hole = detection.obstacles[0].candidate;
+  EXPECT_EQ(hole.type, CandidateType::below_ground);
+  EXPECT_NEAR(hole.distance_m, 2.2, 0.05);
+  EXPECT_NEAR(hole.depth_m.value(), 0.5, 0.05);
+}
+
+TEST(Detector, FindsABlackHoleWithoutDisparityOnlyWhereThereIsAPicture) {
+  const Frame frame = make_hole_frame();
+  const cv::Mat1b black(frame.left == 4);
+  cv::Mat1f disparity = test::make_disparity(frame.camera, test::half_size(), make_ground_plane(1.6, 30.0, 0.0, frame.camera));
+  disparity.setTo(kInvalidDisparity, black);
+  const Detection seen = Detector(stills()).process(make_frame_with_disparity(frame.left, disparity, frame.camera));
+  EXPECT_EQ(seen.no_disparity_off, "");
+  ASSERT_EQ(seen.obstacles.size(), 1U);
+  EXPECT_EQ(seen.obstacles[0].candidate.type, CandidateType::no_disparity);
+
+  const Detection blind = Detector(stills()).process(make_frame_with_disparity({}, disparity, frame.camera));
+  EXPECT_EQ(blind.no_disparity_off, "no left picture");
+  EXPECT_TRUE(blind.obstacles.empty());
+  EXPECT_TRUE(blind.rejected.empty()) << "what is not looked for is not rejected either";
+}
+
+/// Frame number `index` of a depth sensor without pictures.
+Frame depth_frame(const cv::Mat1f& disparity, int index) {
+  return make_frame_with_disparity({}, disparity, test::half_size_camera(), index, index / 15.0);
+}
+
+TEST(Detector, FollowsAlongTheGroundWithoutPictures) {
+  Detector detector;
+  for (int i = 0; i < 6; ++i) {
+    // The head rises and nods: without aligned grounds the hole would jump by 0.6 m a frame.
+    const double nod = i % 2 == 0 ? 0.0 : 1.0;
+    const Detection detection = detector.process(depth_frame(hole_disparity(1.5 + 0.1 * nod, 25.0 + 10.0 * nod), i));
+    EXPECT_EQ(detection.ego_motion_state, i == 0 ? EgoMotionState::failed : EgoMotionState::ground) << i;
+    const auto& followed = i < 4 ? detection.tracks : detection.obstacles;
+    ASSERT_EQ(followed.size(), 1U) << i;
+    EXPECT_EQ(followed[0].id, 1);
+    EXPECT_EQ(followed[0].track_length, i + 1);
+  }
+}
+
+TEST(Detector, EndsTracksWhereGroundsCannotBeAligned) {
+  Detector detector;
+  for (int i = 0; i < 3; ++i) (void)detector.process(depth_frame(hole_disparity(), i));
+  const Detection blind = detector.process(depth_frame(cv::Mat1f(test::half_size(), kInvalidDisparity), 3));
+  EXPECT_EQ(blind.status, FrameStatus::ok);
+  EXPECT_EQ(blind.ground.state, GroundState::not_visible);
+  EXPECT_FALSE(blind.ground.reason.empty());
+  EXPECT_EQ(blind.ego_motion_state, EgoMotionState::failed);
+  EXPECT_EQ(blind.ego_motion.reason, "no left picture, and not a ground in both this frame and the last one");
+  const Detection after = detector.process(depth_frame(hole_disparity(), 4));
+  EXPECT_EQ(after.ego_motion_state, EgoMotionState::failed);
+  ASSERT_EQ(after.tracks.size(), 1U);
+  EXPECT_EQ(after.tracks[0].track_length, 1);
+
+  (void)detector.process_failed(5, 5 / 15.0, FrameStatus::bad_frame, "x.png: is damaged");
+  EXPECT_EQ(detector.process(depth_frame(hole_disparity(), 6)).ego_motion_state, EgoMotionState::failed);
+}
+
+TEST(Detector, GivenPosesComeBeforeAlignedGrounds) {
+  Detector detector;
+  (void)detector.process(at_pose(depth_frame(hole_disparity(), 0), 0, kRest));
+  EXPECT_EQ(detector.process(at_pose(depth_frame(hole_disparity(), 1), 1, kRest)).ego_motion_state, EgoMotionState::given);
+}
+
+TEST(Detector, NeverAlignsGroundsInPlaceOfAMeasurementThatFailed) {
+  Detector detector;
+  const cv::Mat1b blank(test::half_size(), uchar{120});  // nothing to follow
+  for (int i = 0; i < 2; ++i) {
+    const Frame frame = make_frame_with_disparity(blank, hole_disparity(), test::half_size_camera(), i, i / 15.0);
+    EXPECT_EQ(detector.process(frame).ego_motion_state, EgoMotionState::failed);
+  }
+}
+
+TEST(Detector, RefusesFramesThatMakeFrameWouldRefuse) {
+  Detector detector(stills());
+  EXPECT_THROW((void)detector.process({}), std::invalid_argument);
+  Frame frame = depth_frame(hole_disparity(), 0);
+  frame.disparity(5, 5) = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW((void)detector.process(frame), std::invalid_argument);
 }
 
 TEST(Detector, PaperMethodUsesWholeDisparitiesAndNoRulesOfOurs) {

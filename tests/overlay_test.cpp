@@ -138,6 +138,21 @@ TEST(Overlays, ShowThePlainPictureWhenNothingIsKnown) {
   EXPECT_TRUE(draw_ground(Frame{}, detection).empty());
 }
 
+TEST(Overlays, DrawOnDisparitiesWhereThereIsNoPicture) {
+  cv::Mat1f disparity(240, 320, 20.0F);
+  disparity(200, 10) = 40.0F;
+  disparity(200, 20) = kInvalidDisparity;
+  const Frame frame = make_frame_with_disparity({}, disparity, {300.0, 160.0, 120.0, 0.15});
+  Detection detection = seen_ground();
+  detection.obstacles = {{1, square(100, 100, 40), 1, {}}};
+  const cv::Mat3b picture = draw_obstacles(frame, detection);
+  ASSERT_EQ(picture.size(), cv::Size(320, 240));
+  EXPECT_EQ(picture(200, 10), cv::Vec3b(255, 255, 255));
+  EXPECT_EQ(picture(200, 20), cv::Vec3b(0, 0, 0));
+  EXPECT_EQ(picture(200, 30), cv::Vec3b(128, 128, 128));
+  EXPECT_GT(picture(120, 120)[2], picture(120, 120)[0]) << "the obstacle is red";
+}
+
 TEST(Overlays, DrawTheSmallestPictures) {
   Frame frame = plain_frame();
   frame.left = cv::Mat1b(32, 32, uchar{0});

@@ -65,19 +65,20 @@ struct Candidate {
   double bearing_deg = 0.0;                               ///< of rim_nearest, positive right
   std::optional<double> depth_m;                          ///< below the ground, > 0; empty for Type 2: its bottom is not seen
   double width_m = 0.0;                ///< extent of the opening across the line of sight, in the ground plane
-  cv::Scalar mean_color;               ///< B, G, R of the left picture (grey pictures: three times grey)
+  cv::Scalar mean_color;               ///< B, G, R of the left picture (grey pictures: three times grey; none: 0)
   std::optional<Rejection> rejection;  ///< empty = candidate; the first rule that failed otherwise
 };
 
 /// Section III.C.3, Type 1: 8-connected regions of valid pixels with elevation <= -min_depth_m, drawn out to their rim.
-/// @param elevation from compute_elevation, m, NaN = none. @param disparity px. Both of the size of frame.left.
+/// @param elevation from compute_elevation, m, NaN = none. @param disparity px. Both of frame.size().
 /// @return accepted and rejected regions, in the order of their first pixel row by row; empty when there is none.
 /// @throws std::invalid_argument when sizes differ or parameters are not valid.
 std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
                                            const GroundPlane& ground, const CandidateParams& params = {});
 
 /// Section III.C.3, Type 2: 8-connected regions of invalid pixels below the ground's horizon and within range, where both
-/// cameras see the ground, black. Arguments, order and errors as for select_below_ground.
+/// cameras see the ground, black. Arguments, order and errors as for select_below_ground; none without a left picture, as
+/// black cannot be told.
 std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
                                            const GroundPlane& ground, const CandidateParams& params = {});
 

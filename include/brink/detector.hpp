@@ -65,6 +65,7 @@ enum class EgoMotionState : std::uint8_t {
   ok,      ///< measured in the pictures
   failed,  ///< could not be measured; ego_motion.reason tells why
   given,   ///< from outside: Frame::world_from_camera
+  ground,  ///< without a left picture: the motion that aligns the grounds of both frames, heading and place being unknown
 };
 std::string to_string(EgoMotionState state);
 
@@ -75,13 +76,14 @@ struct Detection {
   FrameStatus status = FrameStatus::ok;
   std::string reason;  ///< why status is not ok
 
-  cv::Mat1f disparity;  ///< px, kInvalidDisparity = none; empty when status is not ok
+  cv::Mat1f disparity;  ///< px, kInvalidDisparity = none; Frame::disparity if given; empty when status is not ok
   GroundEstimate ground;
   EgoMotionState ego_motion_state = EgoMotionState::none;
   EgoMotionEstimate ego_motion;             ///< since the last frame that was processed
   cv::Mat1f elevation;                      ///< m, NaN = none; empty when the ground is not visible
   std::vector<Candidate> candidates;        ///< passed every rule
   std::vector<Candidate> rejected;          ///< failed one, each with its rejection
+  std::string no_disparity_off;             ///< why Type 2 cannot be looked for in such frames; empty when it can
   std::vector<NegativeObstacle> obstacles;  ///< validated and within report_range_m
   std::vector<NegativeObstacle> tracks;     ///< seen but not validated, or farther
   StageTimes times;
@@ -96,8 +98,8 @@ class Detector {
 
   /// Frame in, detection out.
   /// @return status ok, with ground.state told; no candidates when the ground is not visible.
-  /// @throws std::invalid_argument when the frame is not one that make_frame would return, and, unless params.stills, when its
-  ///         time is not after the last one's.
+  /// @throws std::invalid_argument when the frame is not one that make_frame or make_frame_with_disparity would return, and,
+  ///         unless params.stills, when its time is not after the last one's.
   [[nodiscard]] Detection process(const Frame& frame);
 
   /// A frame that could not be read or processed. All tracks end: what was not seen is not known.
@@ -106,6 +108,7 @@ class Detector {
 
  private:
   void estimate_ego_motion(const Frame& frame, Detection& detection);
+  void align_grounds(const Frame& frame, Detection& detection);
   void report(const Frame& frame, Detection& detection);
 
   DetectorParams params_;
@@ -113,6 +116,7 @@ class Detector {
   EgoMotionEstimator ego_motion_;
   Tracker tracker_;
   std::optional<Eigen::Isometry3d> last_world_from_camera_;  // given with the last frame
+  std::optional<GroundPose> last_ground_;                    // of the last frame; empty when it was not visible
 };
 
 /// The answer for a frame that could not be read or processed. @param status not ok.

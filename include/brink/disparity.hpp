@@ -5,10 +5,9 @@
 
 #include <opencv2/core.hpp>
 
-namespace brink {
+#include "brink/frame.hpp"
 
-/// Disparity images are float, in pixels; a pixel without one holds exactly this.
-inline constexpr float kInvalidDisparity = -1.0F;
+namespace brink {
 
 /// Parameters of ELAS (Geiger, Roser, Urtasun, ACCV 2010); defaults are what measured best, close to the paper's "robotics"
 /// setting. docs/algorithm.md lists every deviation.

@@ -69,12 +69,13 @@ struct EgoMotionEstimate {
   std::optional<EgoMotion> motion;      ///< empty when it cannot be told: never yesterday's motion
   std::string reason;                   ///< why motion is empty; empty otherwise
   std::optional<EgoVelocity> velocity;  ///< empty when motion is, or time does not advance
-  int matches = 0;                      ///< points of earlier frames that were found in both pictures of this one
-  int inliers = 0;                      ///< of those, that agree with the motion
+  int matches = 0;  ///< points of earlier frames that were found in both pictures, or left picture and disparity, of this one
+  int inliers = 0;  ///< of those, that agree with the motion
 };
 
 /// Section III.C.4, stereo odometry: features, circular matching over previous/current x left/right, RANSAC and Gauss-Newton
-/// on the reprojection error in both pictures (equation 1), velocity Kalman filter. Remembers the last frames.
+/// on the reprojection error in both pictures (equation 1), velocity Kalman filter. Remembers the last frames. Where a frame
+/// has a disparity image instead of a right picture, it tells where the right picture would show a point.
 class EgoMotionEstimator {
  public:
   /// @throws std::invalid_argument when the parameters are not valid.
@@ -83,7 +84,8 @@ class EgoMotionEstimator {
   EgoMotionEstimator(EgoMotionEstimator&&) noexcept;
   EgoMotionEstimator& operator=(EgoMotionEstimator&&) noexcept;
 
-  /// The motion from the frame of the last call into this one; empty with the reason "first frame" the first time.
+  /// The motion from the frame of the last call into this one; empty with the reason "first frame" the first time, and without
+  /// a left picture, after which the next frame is the first again.
   /// @throws std::invalid_argument when the frame is not one that make_frame would return.
   [[nodiscard]] EgoMotionEstimate estimate(const Frame& frame);
 

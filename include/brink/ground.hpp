@@ -5,6 +5,7 @@
 #include <string>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
 #include "brink/camera.hpp"
@@ -43,6 +44,10 @@ struct GroundPose {
 GroundPose compute_ground_pose(const GroundPlane& plane, const StereoCamera& camera);
 /// Pose to plane, from height, pitch and roll. @throws std::invalid_argument unless height_m > 0.
 GroundPlane make_ground_plane(double height_m, double pitch_deg, double roll_deg, const StereoCamera& camera);
+
+/// The motion of a camera that stays over the same place of the ground and keeps its heading, while its height, pitch and roll
+/// change from one pose to the other: what two grounds alone tell of current_from_previous.
+Eigen::Isometry3d compute_ground_motion(const GroundPose& previous, const GroundPose& current);
 
 /// What is known of the ground: told for every frame, because silence must never be a failure in disguise.
 enum class GroundState : std::uint8_t { seen, uncertain, not_visible };

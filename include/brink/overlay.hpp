@@ -14,7 +14,8 @@
 namespace brink {
 
 /// Pictures of one frame, after the paper's figures 2 to 5. All take the frame and what Detector::process told of it, have the
-/// size of frame.left, and show the plain picture where there is nothing to draw (status not ok, ground not visible).
+/// size of frame.left (of a frame without one: are drawn on its disparities, in grey), and show the plain picture where there
+/// is nothing to draw (status not ok, ground not visible).
 
 /// The left picture with ground pixels tinted green and pixels below the ground by min_depth_m or more tinted red; the state of
 /// the ground is written at the top.

@@ -10,6 +10,9 @@ namespace brink {
 /// Whether the extension is that of a PNG or JPEG picture, in capital letters or not.
 bool is_picture_name(const std::string& path);
 
+/// Likewise of a picture that may hold disparities or depths: PNG, TIFF, PFM or OpenEXR.
+bool is_depth_name(const std::string& path);
+
 /// Reads a PNG or JPEG picture: 8 bit, grey (1 channel) or colour (3 channels, BGR). The pixels are those of the file: an
 /// orientation noted in it is not applied, because calibrations know nothing of it.
 /// @throws std::runtime_error "path: what it is, expected ..." when it is missing, empty, something else, truncated, damaged,
@@ -37,10 +40,15 @@ DisparityFormat disparity_format(const std::string& path);
 /// @throws std::runtime_error when it is empty, or when a disparity does not fit a PNG (more than 255.99 px).
 std::string encode_disparity(const cv::Mat1f& disparity, DisparityFormat format);
 
-/// Reads what encode_disparity made, or others in these formats: the extension tells which.
-/// @return px, kInvalidDisparity = none: 0 in a PNG; what is negative or not finite in a PFM.
+/// Reads a disparity image: PNG or TIFF of 16 bit (disparity times 256, 0 = none), or TIFF, PFM or OpenEXR of 32-bit float (px;
+/// negative or not finite = none). The kind of file is told by what it holds; of three equal channels the first is taken.
+/// OpenCV reads OpenEXR only where the environment has OPENCV_IO_ENABLE_OPENEXR=1.
+/// @return px, kInvalidDisparity = none.
 /// @throws std::runtime_error "path: what it is, expected ..." when it is missing, truncated, damaged or something else.
-/// @throws std::invalid_argument as disparity_format does.
 cv::Mat1f read_disparity(const std::string& path);
+
+/// Reads a depth image, in the same kinds of files: of 16 bit millimetres, of float metres, along the optical axis.
+/// @return m, 0 = none. @throws std::runtime_error as read_disparity does.
+cv::Mat1f read_depth(const std::string& path);
 
 }  // namespace brink

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,8 +33,15 @@ struct FrameFiles {
   int index = 0;
   double time = 0.0;  ///< s
   std::string left;   ///< path; "" = none is known
-  std::string right;
+  std::string right;  ///< or the disparity or depth image in its place
 };
+
+/// What the numbers of an image in place of the right picture are. No file tells it.
+enum class DepthKind : std::uint8_t {
+  disparity,  ///< of the left picture: px; times 256 in files of 16 bit
+  depth,      ///< along the optical axis: m; mm in files of 16 bit
+};
+std::string to_string(DepthKind kind);
 
 /// Stereo pairs on disk, rectified when they are read. Holds names only: pictures are read one frame at a time.
 class Sequence {
@@ -135,6 +143,22 @@ Sequence open_pairs(const std::string& left, const std::string& right, const Cal
 /// @throws std::runtime_error "file: ..." when a file is at fault; std::invalid_argument when `times` is not valid, given where
 /// times.txt tells them, or from names and the input is no pattern.
 Sequence open_side_by_side(const std::string& input, const CalibrationFiles& calibration, const TimeSource& times = {});
+
+/// Opens a folder in the KITTI layout in which a folder named as the kind of image, disparity or depth, takes the place of the
+/// right pictures (read_disparity, read_depth). The left ones are those of image_2, else of image_0, else there are none.
+/// @throws as open_sequence does.
+Sequence open_depth_sequence(const std::string& folder, DepthKind kind, const TimeSource& times = {},
+                             const CalibrationFiles& calibration = {});
+
+/// Disparity or depth images by their names, with their left pictures, or without any when all of these are "".
+/// @throws std::runtime_error "file: ..." when the calibration is at fault, of raw pictures, or, for disparities, without a
+///         baseline.
+Sequence open_depth_files(const std::vector<FrameFiles>& files, DepthKind kind, const CalibrationFiles& calibration);
+
+/// Likewise those that a pattern matches, with the left pictures that another one matches, or without any when it is "".
+/// @throws as open_depth_files and open_pairs do.
+Sequence open_depth_patterns(const std::string& left, const std::string& depth, DepthKind kind,
+                             const CalibrationFiles& calibration, const TimeSource& times = {});
 
 /// One pair as a sequence of one frame. Of the pictures no more than their size is looked at yet; one that is missing is told
 /// when the frame is read.

@@ -20,9 +20,10 @@ constexpr float kLeastDisparity = 1.0F;  // the paper: a disparity below 1 is no
 constexpr double kDepthQuantile = 0.9;   // the deepest tenth is noise as often as it is depth
 
 void check_sizes(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation) {
-  if (disparity.size() != frame.left.size() || elevation.size() != frame.left.size()) {
-    throw std::invalid_argument(fmt::format("sizes differ: picture {}x{}, disparity {}x{}, elevation {}x{}", frame.left.cols,
-                                            frame.left.rows, disparity.cols, disparity.rows, elevation.cols, elevation.rows));
+  const cv::Size size = frame.size();
+  if (disparity.size() != size || elevation.size() != size) {
+    throw std::invalid_argument(fmt::format("sizes differ: picture {}x{}, disparity {}x{}, elevation {}x{}", size.width,
+                                            size.height, disparity.cols, disparity.rows, elevation.cols, elevation.rows));
   }
 }
 
@@ -118,6 +119,7 @@ void measure_rim(Candidate& candidate, const std::vector<cv::Point>& outline, co
 }
 
 cv::Scalar compute_mean_color(const Frame& frame, const Region& region) {
+  if (frame.left.empty()) return {};
   const cv::Rect in_picture = region.box & cv::Rect(cv::Point(0, 0), frame.left.size());
   const cv::Mat1b mask = region.mask(in_picture - region.box.tl());
   if (!frame.left_color.empty()) return cv::mean(frame.left_color(in_picture), mask);
@@ -246,6 +248,7 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
                                            const GroundPlane& ground, const CandidateParams& params) {
   check_sizes(frame, disparity, elevation);
   params.validate();
+  if (frame.left.empty()) return {};
   const GroundPose pose = compute_ground_pose(ground, frame.camera);
   const cv::Mat1b range = compute_range_mask(elevation.size(), pose, frame.camera, params.max_range_m);
   const cv::Mat1b overlap = compute_overlap_mask(elevation.size(), ground, params.border_px);

@@ -26,7 +26,8 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTukeyCutoff = 4.685;   // standard deviations: 95 % efficiency on Gaussian noise
 constexpr double kScaleShare = 0.3;      // the scale of errors is told by this share of the points: the rest may be outliers
-constexpr double kScaleError = 1.4815;   // that share of four-dimensional unit Gaussian errors is shorter
+constexpr double kScaleError3 = 1.1932;  // that share of unit Gaussian errors is shorter in three dimensions ...
+constexpr double kScaleError4 = 1.4815;  // ... and in four
 constexpr double kOffsetWander = 0.005;  // px: by which the constant error of disparities is less certain each frame
 constexpr double kLeastMatchDisparity = 0.5;  // px: less tells nothing about depth at the accuracy of features
 
@@ -39,17 +40,19 @@ struct View {
   cv::Mat1b right;
   StereoFeatures features;
   SmoothPair smooth;
+  [[nodiscard]] bool has_disparity() const { return !smooth.disparity.empty(); }
 };
 
 View make_view(const Frame& frame, const EgoMotionParams& params) {
+  const std::vector<Feature> left = find_features(frame.left, params);
+  const std::vector<Feature> right = find_right_features(frame, left, params);
   return {frame.index,
           frame.time,
           frame.camera,
           frame.left,
           frame.right,
-          {FeatureIndex(find_features(frame.left, params), frame.left.size()),
-           FeatureIndex(find_features(frame.right, params), frame.right.size())},
-          {smooth_for_patches(frame.left), smooth_for_patches(frame.right)}};
+          {FeatureIndex(left, frame.size()), FeatureIndex(right, frame.size())},
+          make_smooth_pair(frame)};
 }
 
 /// A motion, or why there is none.
@@ -70,12 +73,16 @@ bool are_equal(const StereoCamera& a, const StereoCamera& b) {
 std::string find_fault(const View& previous, const View& current, const EgoMotionParams& params) {
   if (previous.left.size() != current.left.size()) return "the size of the pictures changed";
   if (!are_equal(previous.camera, current.camera)) return "the camera changed";
+  if (previous.has_disparity() != current.has_disparity()) return "disparities are given for one of the frames only";
   const std::array<std::pair<const char*, const FeatureIndex*>, 2> eyes = {
       {{"left", &current.features.left}, {"right", &current.features.right}}};
   for (const auto& [name, features] : eyes) {
-    if (features->size() < params.min_inliers)
-      return fmt::format("the {} picture has no texture: {} features", name, features->size());
+    if (features->size() >= params.min_inliers) continue;
+    if (current.has_disparity() && features == &current.features.right)
+      return fmt::format("the disparity image tells too little: {} features have a disparity", features->size());
+    return fmt::format("the {} picture has no texture: {} features", name, features->size());
   }
+  if (current.has_disparity()) return {};
   // Two pictures of a sensor are never equal to the last bit, unless one of them is old.
   const bool left_stands = are_equal(previous.left, current.left);
   const bool right_stands = are_equal(previous.right, current.right);
@@ -132,18 +139,19 @@ Attempt estimate_roughly(const View& previous, const View& current, const Eigen:
 }
 
 /// The spread of the errors, robustly, in expected standard deviations.
-double estimate_scale(const std::vector<Sighting>& sightings, const StereoCamera& camera, const Eigen::Isometry3d& motion) {
+double estimate_scale(const std::vector<Sighting>& sightings, const View& current, const Eigen::Isometry3d& motion) {
   std::vector<double> errors;
   errors.reserve(sightings.size());
-  for (const Sighting& sighting : sightings) errors.push_back(compute_error(sighting.observation, camera, motion));
+  for (const Sighting& sighting : sightings) errors.push_back(compute_error(sighting.observation, current.camera, motion));
   const auto quantile = errors.begin() + static_cast<std::ptrdiff_t>(kScaleShare * static_cast<double>(errors.size()));
   std::nth_element(errors.begin(), quantile, errors.end());
-  return std::max(*quantile / kScaleError, 1e-3);
+  return std::max(*quantile / (current.has_disparity() ? kScaleError3 : kScaleError4), 1e-3);
 }
 
 /// Robust final fit to the points of the keyframes. @param scale of the errors, told for the inlier limit.
-Attempt refine(const std::vector<Sighting>& sightings, const StereoCamera& camera, const Eigen::Isometry3d& rough,
+Attempt refine(const std::vector<Sighting>& sightings, const View& current, const Eigen::Isometry3d& rough,
                double offset_variance, const EgoMotionParams& params, double& scale) {
+  const StereoCamera& camera = current.camera;
   Attempt attempt{MotionFit{rough, Matrix6d::Zero(), 0.0, offset_variance}, "", static_cast<int>(sightings.size()), 0};
   if (attempt.matches < params.min_inliers)
     return {std::nullopt, fmt::format("too few points found again: {}", attempt.matches), attempt.matches, 0};
@@ -152,7 +160,7 @@ Attempt refine(const std::vector<Sighting>& sightings, const StereoCamera& camer
   for (const Sighting& sighting : sightings) observations.push_back(sighting.observation);
   constexpr int kRounds = 4;  // the scale settles with the motion
   for (int round = 0; round < kRounds; ++round) {
-    scale = estimate_scale(sightings, camera, attempt.fit->current_from_previous);
+    scale = estimate_scale(sightings, current, attempt.fit->current_from_previous);
     attempt.fit = fit_motion(observations, camera, attempt.fit->current_from_previous, kTukeyCutoff * scale, offset_variance);
     if (!attempt.fit) return {std::nullopt, "the motion does not converge", attempt.matches, 0};
   }
@@ -215,13 +223,15 @@ std::string find_doubt(const MotionFit& fit, const std::optional<Eigen::Matrix3d
 }  // namespace
 
 struct EgoMotionEstimator::State {
+  explicit State(const EgoMotionParams& given) : params(given), velocity(given) { forget_rectification(); }
+
   EgoMotionParams params;
   VelocityFilter velocity;
   std::vector<Keyframe> keyframes;
   std::size_t newest_points = 0;  ///< of the newest keyframe, when it was made
   std::optional<View> previous;
   Matrix6d previous_place = Matrix6d::Zero();  ///< covariance of the last frame's place among the keyframes
-  double offset = 0.0;                         ///< constant error of the columns of all right pictures, px
+  double offset = 0.0;                         ///< constant error of all columns in right pictures, px
   double offset_variance = 0.0;                ///< px^2
 
   [[nodiscard]] Attempt measure(const View& current, const std::optional<Eigen::Matrix3d>& gyroscope);
@@ -273,7 +283,7 @@ Attempt EgoMotionEstimator::State::measure(const View& current, const std::optio
     add_keyframe();
   const auto sightings = find_sightings(keyframes, current.smooth, current.camera, rough.fit->current_from_previous, offset);
   double scale = 1.0;
-  Attempt fine = refine(sightings, current.camera, rough.fit->current_from_previous, offset_variance, params, scale);
+  Attempt fine = refine(sightings, current, rough.fit->current_from_previous, offset_variance, params, scale);
   if (!fine.fit) return fine;
   const Matrix6d place = to_place(*fine.fit);
   fine.fit->covariance = with_previous(*fine.fit, previous_place);
@@ -291,21 +301,18 @@ Attempt EgoMotionEstimator::State::measure(const View& current, const std::optio
 
 EgoMotionEstimator::EgoMotionEstimator(const EgoMotionParams& params) {
   params.validate();
-  state_ = std::make_unique<State>(State{params,
-                                         VelocityFilter(params),
-                                         {},
-                                         0,
-                                         std::nullopt,
-                                         Matrix6d::Zero(),
-                                         0.0,
-                                         params.disparity_offset_sd_px * params.disparity_offset_sd_px});
+  state_ = std::make_unique<State>(params);
 }
 EgoMotionEstimator::~EgoMotionEstimator() = default;
 EgoMotionEstimator::EgoMotionEstimator(EgoMotionEstimator&&) noexcept = default;
 EgoMotionEstimator& EgoMotionEstimator::operator=(EgoMotionEstimator&&) noexcept = default;
 
 EgoMotionEstimate EgoMotionEstimator::estimate(const Frame& frame) {
-  make_frame(frame.left, frame.right, frame.camera);  // throws unless it is one
+  frame.validate();
+  if (frame.left.empty()) {
+    *this = EgoMotionEstimator(state_->params);  // what it remembers is no longer the last frame
+    return {std::nullopt, "no left picture", std::nullopt, 0, 0};
+  }
   State& state = *state_;
   View current = make_view(frame, state.params);
   if (!state.previous) {

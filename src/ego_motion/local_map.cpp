@@ -13,16 +13,9 @@
 namespace brink {
 namespace {
 
-constexpr double kStereoReach = 3.0;     // px: features are found to a pixel or two
 constexpr double kTemporalReach = 3.0;   // px
-constexpr double kRowTolerance = 1.5;    // px: of the aligned rows of a pair
-constexpr double kModelError = 0.03;     // px: what warping and interpolation leave, whatever the levels tell
 constexpr double kMaxVariance = 0.25;    // px^2: disparities known worse are left out
 constexpr double kLeastDisparity = 0.3;  // px
-
-Eigen::Matrix2d with_model_error(const Eigen::Matrix2d& covariance) {
-  return covariance + kModelError * kModelError * Eigen::Matrix2d::Identity();
-}
 
 /// The strongest matched feature of each square of the left picture, so many squares that about `count` remain.
 std::vector<StereoMatch> spread(const std::vector<StereoMatch>& matches, const StereoFeatures& features, cv::Size size,
@@ -48,17 +41,16 @@ Eigen::Matrix2d stereo_warp(const Eigen::Vector2d& slope) {
   return warp;
 }
 
-/// Finds the point in the right picture. @return whether it was found, on its row.
-bool measure_disparity(MapPoint& point, const cv::Mat1b& right, double offset) {
+/// Finds the point in the right picture. @return whether it was found.
+bool measure_disparity(MapPoint& point, const SmoothPair& pictures, double offset) {
   const Eigen::Vector2d left(point.patch.centre.x, point.patch.centre.y);
-  const auto aligned = align_patch(point.patch, right, left - Eigen::Vector2d(point.disparity - offset, 0.0),
-                                   stereo_warp(point.slope), kStereoReach);
-  if (!aligned || std::abs(aligned->position.y() - left.y()) > kRowTolerance) return false;
-  const Eigen::Matrix2d covariance = with_model_error(aligned->covariance);
-  point.disparity = left.x() - aligned->position.x() + offset;
-  point.variance = covariance(0, 0);
-  point.row_offset = aligned->position.y() - left.y();
-  point.row_variance = covariance(1, 1);
+  const auto right = find_in_right(pictures, point.patch, {left, Eigen::Matrix2d::Zero()},
+                                   left - Eigen::Vector2d(point.disparity - offset, 0.0), stereo_warp(point.slope));
+  if (!right) return false;
+  point.disparity = left.x() - right->position.x() + offset;
+  point.variance = right->covariance(2, 2);
+  point.row_offset = right->position.y() - left.y();
+  point.row_variance = right->covariance(3, 3);
   return point.disparity > kLeastDisparity;
 }
 
@@ -90,10 +82,10 @@ void keep_found(std::vector<MapPoint>& points, const std::vector<char>& found) {
   std::erase_if(points, [&](const MapPoint&) { return found[i++] == 0; });
 }
 
-void measure_disparities(std::vector<MapPoint>& points, const cv::Mat1b& right, double offset) {
+void measure_disparities(std::vector<MapPoint>& points, const SmoothPair& pictures, double offset) {
   std::vector<char> found(points.size());
   tbb::parallel_for(std::size_t{0}, points.size(),
-                    [&](std::size_t i) { found[i] = measure_disparity(points[i], right, offset) ? 1 : 0; });
+                    [&](std::size_t i) { found[i] = measure_disparity(points[i], pictures, offset) ? 1 : 0; });
   keep_found(points, found);
 }
 
@@ -143,16 +135,14 @@ std::optional<Sighting> find_point(const MapPoint& point, const Keyframe& keyfra
   if (!left) return std::nullopt;
   // What rectification left in the columns of all, and in the rows of this point when it was new, is taken away.
   const Eigen::Vector2d rectification(offset, point.row_offset);
-  const auto right = align_patch(point.patch, current.right, prediction->pixel.tail<2>() + rectification,
-                                 prediction->right_warp, kTemporalReach);
-  if (!right || std::abs(left->position.y() - right->position.y()) > kRowTolerance) return std::nullopt;
+  const auto right =
+      find_in_right(current, point.patch, *left, prediction->pixel.tail<2>() + rectification, prediction->right_warp);
+  if (!right) return std::nullopt;
   Sighting sighting;
   sighting.observation.point =
       keyframe.frame_from_keyframe * camera.triangulate(point.patch.centre.x, point.patch.centre.y, point.disparity);
   sighting.observation.pixel << left->position, right->position - rectification;
-  sighting.pixel_covariance.setZero();
-  sighting.pixel_covariance.topLeftCorner<2, 2>() = with_model_error(left->covariance);
-  sighting.pixel_covariance.bottomRightCorner<2, 2>() = with_model_error(right->covariance);
+  sighting.pixel_covariance = right->covariance;
   sighting.pixel_covariance(3, 3) += point.row_variance;
   sighting.by_disparity = prediction->by_disparity;
   sighting.observation.by_offset = sighting.by_disparity + Eigen::Vector4d::Unit(2);
@@ -187,10 +177,10 @@ Keyframe make_keyframe(const SmoothPair& pictures, const StereoFeatures& feature
     point.disparity = left.x - features.right[match.right].position.x + offset;
     keyframe.points.push_back(point);
   }
-  measure_disparities(keyframe.points, pictures.right, offset);
+  measure_disparities(keyframe.points, pictures, offset);
   const std::vector<MapPoint> flat = keyframe.points;
   for (MapPoint& point : keyframe.points) point.slope = fit_slope(point, flat, params.slope_radius_px);
-  measure_disparities(keyframe.points, pictures.right, offset);
+  measure_disparities(keyframe.points, pictures, offset);
   std::erase_if(keyframe.points, [&](const MapPoint& point) { return point.variance > kMaxVariance; });
   return keyframe;
 }

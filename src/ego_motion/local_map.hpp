@@ -11,14 +11,9 @@
 #include "ego_motion/matching.hpp"
 #include "ego_motion/motion.hpp"
 #include "ego_motion/refinement.hpp"
+#include "ego_motion/right_eye.hpp"
 
 namespace brink {
-
-/// Both pictures of a frame, smoothed for patches.
-struct SmoothPair {
-  cv::Mat1b left;
-  cv::Mat1b right;
-};
 
 /// A patch of a keyframe's left picture and the depth of the surface there.
 struct MapPoint {

@@ -67,6 +67,19 @@ GroundPlane make_ground_plane(double height_m, double pitch_deg, double roll_deg
   return plane;
 }
 
+// Axes right, down, forward from the foot of the perpendicular: X = axes p + h down, with the same p before and after.
+Eigen::Isometry3d compute_ground_motion(const GroundPose& previous, const GroundPose& current) {
+  const auto axes = [](const GroundPose& pose) {
+    Eigen::Matrix3d columns;
+    columns << pose.right, pose.down, pose.forward;
+    return columns;
+  };
+  Eigen::Isometry3d current_from_previous = Eigen::Isometry3d::Identity();
+  current_from_previous.linear() = axes(current) * axes(previous).transpose();
+  current_from_previous.translation() = (current.height_m - previous.height_m) * current.down;
+  return current_from_previous;
+}
+
 std::string to_string(GroundState state) {
   switch (state) {
     case GroundState::seen:

@@ -138,6 +138,7 @@ std::string to_json_line(const Detection& detection) {
   json["obstacles"] = obstacles(detection.obstacles);
   json["tracks"] = obstacles(detection.tracks);
   json["rejected"] = rejected(detection.rejected);
+  if (!detection.no_disparity_off.empty()) json["no_disparity_off"] = detection.no_disparity_off;
   json["times_ms"] = times(detection.times);
   // File names in a reason may hold any bytes: what is no UTF-8 is replaced, a line of JSON must never fail.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -227,8 +227,9 @@ Eigen::Isometry3d read_motion(const Node& node) {
 }
 
 void read_ego_motion(const Node& node, Detection& detection) {
-  detection.ego_motion_state = read_choice(
-      node, "state", std::array{EgoMotionState::none, EgoMotionState::ok, EgoMotionState::failed, EgoMotionState::given});
+  detection.ego_motion_state = read_choice(node, "state",
+                                           std::array{EgoMotionState::none, EgoMotionState::ok, EgoMotionState::failed,
+                                                      EgoMotionState::given, EgoMotionState::ground});
   if (node.object.contains("reason")) detection.ego_motion.reason = read_text(node, "reason");
   if (detection.ego_motion_state == EgoMotionState::none) return;
   detection.ego_motion.matches = read_count(node, "matches");
@@ -265,6 +266,7 @@ Detection parse_detection(const std::string& line) {
   detection.obstacles = read_list(node, "obstacles", read_obstacle);
   detection.tracks = read_list(node, "tracks", read_obstacle);
   detection.rejected = read_list(node, "rejected", read_rejected);
+  if (json.contains("no_disparity_off")) detection.no_disparity_off = read_text(node, "no_disparity_off");
   detection.times = read_times(child(node, "times_ms"));
   return detection;
 }

@@ -12,15 +12,12 @@
 #include "io/rectification.hpp"
 
 namespace brink {
-namespace {
 
 void require_picture(const std::string& path, const std::string& partner) {
   if (path.empty()) throw NoPicture(partner + ": has no partner in the other eye");
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) throw NoPicture(path + ": no such file");
 }
-
-}  // namespace
 
 PictureFiles::PictureFiles(std::vector<FrameFiles> files) : files_(std::move(files)) {}
 

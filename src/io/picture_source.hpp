@@ -12,11 +12,12 @@
 
 namespace brink {
 
-/// Both eyes' pictures of one frame, 8 bit, grey or BGR.
+/// Both eyes' pictures of one frame, 8 bit, grey or BGR, or a disparity image in place of the right one.
 struct PicturePair {
-  cv::Mat left;
+  cv::Mat left;  ///< empty when there is a disparity image only
   cv::Mat right;
-  std::string name;  ///< where they come from, for messages
+  std::string name;          ///< where they come from, for messages
+  cv::Mat1f disparity = {};  ///< as Frame::disparity; empty when there is a right picture
 };
 
 /// A picture is not there. Faults of one that is there are other std::runtime_error.
@@ -24,6 +25,9 @@ class NoPicture : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+/// @throws NoPicture when no such file is known or there. @param partner of the other eye, for the message.
+void require_picture(const std::string& path, const std::string& partner);
 
 /// Where the pictures of a sequence come from.
 class PictureSource {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -16,6 +16,7 @@
 
 #include "brink/disparity.hpp"
 #include "brink/files.hpp"
+#include "io/number_picture.hpp"
 #include "io/picture_header.hpp"
 
 namespace brink {
@@ -50,7 +51,11 @@ cv::Mat decode_bytes(const PictureHeader& header, int mode) {
 cv::Mat decode(const PictureHeader& header) {
   constexpr int kBits = 8;
   check_size(header);
-  if (header.bits > kBits) throw std::runtime_error(fmt::format("is a {}-bit picture, expected 8-bit", header.bits));
+  if (header.bits > kBits) {
+    throw std::runtime_error(fmt::format(
+        "is a {}-bit picture, expected 8-bit: disparities and depths must be told to be such (--as disparity|depth)",
+        header.bits));
+  }
   if (header.channels != 1 && header.channels != 3) {
     throw std::runtime_error(
         fmt::format("has {} channels, expected 1 (grey) or 3 (colour), without transparency", header.channels));
@@ -58,51 +63,27 @@ cv::Mat decode(const PictureHeader& header) {
   return decode_bytes(header, header.channels == 1 ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR);
 }
 
-cv::Mat1f decode_disparity_png(const std::string& bytes) {
-  constexpr int kBits = 16;
-  constexpr double kScale = 256.0;
-  const PictureHeader header = examine_picture(bytes);
-  check_size(header);
-  if (header.bits != kBits || header.channels != 1) {
-    throw std::runtime_error(fmt::format("is a {}-bit picture of {} channels, expected 16-bit grey: disparity times 256",
-                                         header.bits, header.channels));
+/// Numbers of a picture as float: those of 16 bit times a scale, of float as they are; none = what is 0 in 16 bit, and what is
+/// negative or not finite.
+cv::Mat1f read_numbers(const std::string& path, double scale, float none) {
+  const std::string bytes = read_file(path);
+  cv::Mat stored;
+  try {
+    stored = decode_number_picture(bytes);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("{}: {}", path, error.what()));
   }
-  const cv::Mat stored = decode_bytes(header, cv::IMREAD_UNCHANGED);
-  cv::Mat1f disparity;
-  stored.convertTo(disparity, CV_32F, 1.0 / kScale);
-  disparity.setTo(kInvalidDisparity, stored == 0);
-  return disparity;
-}
-
-/// "Pf", columns, rows, scale (negative = little endian), then floats from the bottom row up.
-cv::Mat1f decode_pfm(const std::string& bytes) {
-  std::istringstream header(bytes);
-  std::string kind;
-  int columns = 0;
-  int rows = 0;
-  double scale = 0.0;
-  if (!(header >> kind >> columns >> rows >> scale) || kind != "Pf" || columns < 1 || rows < 1 || scale == 0.0) {
-    throw std::runtime_error("is no grey PFM picture, expected Pf, columns, rows, scale");
+  cv::Mat1f numbers;
+  if (stored.depth() == CV_16U) {
+    stored.convertTo(numbers, CV_32F, scale);
+    numbers.setTo(none, stored == 0);
+    return numbers;
   }
-  const bool ended = header.get() == std::istringstream::traits_type::eof();  // one white space ends the header
-  const std::size_t start = ended ? bytes.size() : static_cast<std::size_t>(header.tellg());
-  const std::size_t row_bytes = static_cast<std::size_t>(columns) * sizeof(float);
-  if ((bytes.size() - start) / row_bytes < static_cast<std::size_t>(rows)) {
-    throw std::runtime_error(fmt::format("is a truncated PFM picture of {}x{} px, expected a whole one", columns, rows));
+  numbers = stored;
+  for (float& number : numbers) {
+    if (!std::isfinite(number) || number < 0.0F) number = none;
   }
-  cv::Mat1f disparity(rows, columns);
-  const bool swapped = (scale < 0.0) != (std::endian::native == std::endian::little);
-  for (int v = 0; v < rows; ++v) {
-    const char* from = bytes.data() + start + static_cast<std::size_t>(rows - 1 - v) * row_bytes;
-    for (int u = 0; u < columns; ++u, from += sizeof(float)) {
-      std::array<char, sizeof(float)> number{};
-      std::copy_n(from, number.size(), number.begin());
-      if (swapped) std::ranges::reverse(number);
-      const auto value = std::bit_cast<float>(number);
-      disparity(v, u) = std::isfinite(value) && value >= 0.0F ? value : kInvalidDisparity;
-    }
-  }
-  return disparity;
+  return numbers;
 }
 
 // Not by cv::imencode: that writes PFM to a temporary file, and returns what fitted when the disk is full.
@@ -124,9 +105,19 @@ bool is_picture_name(const std::string& path) {
   return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
 }
 
+bool is_depth_name(const std::string& path) {
+  constexpr std::array<std::string_view, 5> kExtensions = {".png", ".tif", ".tiff", ".pfm", ".exr"};
+  return std::ranges::find(kExtensions, lower_case_extension(path)) != kExtensions.end();
+}
+
 cv::Mat read_picture(const std::string& path) {
   const std::string bytes = read_file(path);
   try {
+    if (is_float_picture(bytes)) {
+      throw std::runtime_error(
+          "is a TIFF, PFM or OpenEXR picture, expected PNG or JPEG: disparities and depths must be told to be such (--as "
+          "disparity|depth)");
+    }
     return decode(examine_picture(bytes));
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("{}: {}", path, error.what()));
@@ -173,13 +164,13 @@ std::string encode_disparity(const cv::Mat1f& disparity, DisparityFormat format)
 }
 
 cv::Mat1f read_disparity(const std::string& path) {
-  const DisparityFormat format = disparity_format(path);
-  const std::string bytes = read_file(path);
-  try {
-    return format == DisparityFormat::png ? decode_disparity_png(bytes) : decode_pfm(bytes);
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(fmt::format("{}: {}", path, error.what()));
-  }
+  constexpr double kScale = 1.0 / 256.0;
+  return read_numbers(path, kScale, kInvalidDisparity);
+}
+
+cv::Mat1f read_depth(const std::string& path) {
+  constexpr double kScale = 0.001;  // millimetres
+  return read_numbers(path, kScale, 0.0F);
 }
 
 }  // namespace brink

@@ -1,8 +1,6 @@
 #include "brink/sequence.hpp"
 
-#include <algorithm>
 #include <filesystem>
-#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -19,13 +17,6 @@
 namespace brink {
 namespace fs = std::filesystem;
 namespace {
-
-std::vector<int> numbers_of(const NumberedFiles& pictures) {
-  std::vector<int> numbers;
-  numbers.reserve(pictures.size());
-  for (const auto& picture : pictures) numbers.push_back(picture.first);
-  return numbers;
-}
 
 std::vector<FrameStamp> stamps_of(const std::vector<FrameFiles>& files) {
   std::vector<FrameStamp> stamps;
@@ -49,30 +40,16 @@ Sequence open_kitti(const fs::path& folder, const TimeSource& times, const Calib
                              ": no pictures, expected folders image_2 and image_3 (colour), image_0 and image_1 (grey), or "
                              "mav0 (EuRoC/ASL)");
   }
-  const NumberedFiles left = list_pictures(eyes->left);
-  const NumberedFiles right = list_pictures(eyes->right);
-  const std::vector<int> left_numbers = numbers_of(left);
-  const std::vector<int> right_numbers = numbers_of(right);
-  std::vector<int> numbers;
-  std::set_union(left_numbers.begin(), left_numbers.end(), right_numbers.begin(), right_numbers.end(),
-                 std::back_inserter(numbers));
-  if (numbers.empty()) throw std::runtime_error(eyes->left.string() + ": holds no PNG or JPEG pictures");
-  check_gaps(eyes->left, numbers);
-  const FrameClock clock(folder, numbers.back(), times);
-  std::vector<FrameFiles> files;
-  for (int number = numbers.front(); number <= numbers.back(); ++number) {
-    files.push_back({number, clock.at(number), picture_or_expected(left, eyes->left, number),
-                     picture_or_expected(right, eyes->right, number)});
-  }
+  const NumberedFolder left{eyes->left, list_pictures(eyes->left)};
+  const NumberedFolder right{eyes->right, list_pictures(eyes->right)};
+  const std::vector<FrameFiles> files = pair_by_number(left, right, folder, times);
   const StereoCalibration calibration =
       read_calibration(find_calibration(folder, given), first_picture_size(files), eyes->cameras);
   std::vector<std::string> remarks{
       fmt::format("{}: KITTI layout, {} frames; calibration: {}", folder.string(), files.size(), describe(calibration))};
-  if (const auto remark = unequal_counts(folder.string(), left_numbers, right_numbers)) remarks.push_back(*remark);
-  std::error_code error;
-  const fs::path imu = folder / "imu.csv";
-  std::vector<ImuSample> samples;
-  if (fs::exists(imu, error)) samples = read_imu(imu.string());
+  const auto remark = unequal_counts(folder.string(), numbers_of(left.files), numbers_of(right.files));
+  if (remark) remarks.push_back(*remark);
+  std::vector<ImuSample> samples = read_imu_of(folder);
   if (calibration.rectification) turn(samples, calibration.rectification->rectified_from_left);
   return {calibration.camera, stamps_of(files),
           std::make_unique<CalibratedSource>(std::make_unique<PictureFiles>(files), calibration), std::move(samples),
@@ -107,7 +84,9 @@ FrameReading Sequence::read(int position) const {
   try {
     const PicturePair pair = source_->read(position);
     name = pair.name;
-    reading.frame = make_frame(pair.left, pair.right, camera_, stamp.index, stamp.time);
+    reading.frame = pair.disparity.empty()
+                        ? make_frame(pair.left, pair.right, camera_, stamp.index, stamp.time)
+                        : make_frame_with_disparity(pair.left, pair.disparity, camera_, stamp.index, stamp.time);
     reading.frame.gravity = estimate_gravity(imu_, stamp.time);
     if (position > 0) {
       const double last_time = stamps_[static_cast<std::size_t>(position) - 1].time;

@@ -15,13 +15,13 @@
 namespace brink {
 namespace fs = std::filesystem;
 
-NumberedFiles list_pictures(const fs::path& folder) {
+NumberedFiles list_pictures(const fs::path& folder, bool (*is_wanted)(const std::string&)) {
   NumberedFiles pictures;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const fs::path& path = entry.path();
     const bool hidden = path.filename().string().starts_with('.');
-    if (hidden || !is_picture_name(path.string())) continue;
+    if (hidden || !is_wanted(path.string())) continue;
     const std::optional<int> number = parse_number<int>(path.stem().string());
     if (!number || *number < 0) {
       throw std::runtime_error(fmt::format(
@@ -34,6 +34,13 @@ NumberedFiles list_pictures(const fs::path& folder) {
   }
   if (error) throw std::runtime_error(fmt::format("{}: cannot be read: {}", folder.string(), error.message()));
   return pictures;
+}
+
+std::vector<int> numbers_of(const NumberedFiles& pictures) {
+  std::vector<int> numbers;
+  numbers.reserve(pictures.size());
+  for (const auto& picture : pictures) numbers.push_back(picture.first);
+  return numbers;
 }
 
 std::vector<double> read_time_list(const std::string& path) {
@@ -114,19 +121,45 @@ FrameClock::FrameClock(const fs::path& folder, int last_number, const TimeSource
 
 double FrameClock::at(int number) const { return times_.empty() ? number / fps_ : times_[static_cast<std::size_t>(number)]; }
 
+std::vector<FrameFiles> pair_by_number(const NumberedFolder& left, const NumberedFolder& right, const fs::path& sequence,
+                                       const TimeSource& times) {
+  const std::vector<int> left_numbers = numbers_of(left.files);
+  const std::vector<int> right_numbers = numbers_of(right.files);
+  std::vector<int> numbers;
+  std::ranges::set_union(left_numbers, right_numbers, std::back_inserter(numbers));
+  const fs::path& folder = left.folder.empty() ? right.folder : left.folder;
+  if (numbers.empty())
+    throw std::runtime_error(
+        folder.string() + (left.folder.empty() ? ": holds no disparity or depth images" : ": holds no PNG or JPEG pictures"));
+  check_gaps(folder, numbers);
+  const FrameClock clock(sequence, numbers.back(), times);
+  std::vector<FrameFiles> files;
+  for (int number = numbers.front(); number <= numbers.back(); ++number) {
+    files.push_back({number, clock.at(number), left.folder.empty() ? "" : picture_or_expected(left.files, left.folder, number),
+                     picture_or_expected(right.files, right.folder, number)});
+  }
+  return files;
+}
+
 std::optional<std::string> unequal_counts(const std::string& folder, const std::vector<int>& left,
-                                          const std::vector<int>& right) {
+                                          const std::vector<int>& right, const std::string& right_name) {
   if (left.size() == right.size()) return std::nullopt;
   std::vector<int> alone;
   std::set_symmetric_difference(left.begin(), left.end(), right.begin(), right.end(), std::back_inserter(alone));
   const bool left_is_longer = left.size() > right.size();
   const std::vector<int>& shorter = left_is_longer ? right : left;
-  const std::string counts = fmt::format("{}: {} left and {} right pictures", folder, left.size(), right.size());
+  const std::string counts = fmt::format("{}: {} left and {} {} pictures", folder, left.size(), right.size(), right_name);
   if (shorter.empty() || shorter.back() < alone.front()) {
     return fmt::format("{}: from frame {} on the {} ones are missing", counts, alone.front(),
-                       left_is_longer ? "right" : "left");
+                       left_is_longer ? right_name : "left");
   }
   return fmt::format("{}: frames without a partner: {}, the first is frame {}", counts, alone.size(), alone.front());
+}
+
+std::vector<ImuSample> read_imu_of(const fs::path& sequence) {
+  std::error_code error;
+  const fs::path imu = sequence / "imu.csv";
+  return fs::exists(imu, error) ? read_imu(imu.string()) : std::vector<ImuSample>();
 }
 
 CalibrationFiles find_calibration(const fs::path& folder, CalibrationFiles given) {

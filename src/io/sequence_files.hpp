@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "brink/calibration.hpp"
+#include "brink/pictures.hpp"
 #include "brink/sequence.hpp"
 
 namespace brink {
@@ -15,8 +16,10 @@ namespace brink {
 using NumberedFiles = std::map<int, std::string>;
 
 /// The PNG and JPEG pictures of a folder by the number that each is named by; hidden and other files are left out.
+/// @param is_wanted tells by the name which files are pictures.
 /// @throws std::runtime_error "path: ..." when a picture's name is no number, two have the same, or the folder cannot be read.
-NumberedFiles list_pictures(const std::filesystem::path& folder);
+NumberedFiles list_pictures(const std::filesystem::path& folder, bool (*is_wanted)(const std::string&) = is_picture_name);
+std::vector<int> numbers_of(const NumberedFiles& pictures);
 
 /// The path of a frame's picture; a missing one has the name that it would have.
 std::string picture_or_expected(const NumberedFiles& pictures, const std::filesystem::path& folder, int number);
@@ -50,10 +53,24 @@ class FrameClock {
   double fps_;
 };
 
+/// A folder of pictures named by number.
+struct NumberedFolder {
+  std::filesystem::path folder;  ///< empty = there is none
+  NumberedFiles files;
+};
+/// The frames of a sequence from the smallest number to the greatest over both folders, with where their pictures are or would
+/// be. @throws std::runtime_error and std::invalid_argument as check_gaps and FrameClock do.
+std::vector<FrameFiles> pair_by_number(const NumberedFolder& left, const NumberedFolder& right,
+                                       const std::filesystem::path& sequence, const TimeSource& times);
+
 /// A line for people when one eye has more pictures than the other: how many each has and where partners are missing.
-/// @param left, right ascending numbers of the frames for which that eye has a picture. @return empty for equal counts.
+/// @param left, right ascending numbers of the frames for which that eye has a picture. @param right_name what the right ones
+/// are. @return empty for equal counts.
 std::optional<std::string> unequal_counts(const std::string& folder, const std::vector<int>& left,
-                                          const std::vector<int>& right);
+                                          const std::vector<int>& right, const std::string& right_name = "right");
+
+/// imu.csv of a sequence; empty without one. @throws std::runtime_error as read_imu does.
+std::vector<ImuSample> read_imu_of(const std::filesystem::path& sequence);
 
 /// The calibration of a sequence in the KITTI layout: `given`, or with no path in it calib.txt, calib.yaml or calib.conf in the
 /// folder, whichever is there first.

@@ -17,10 +17,20 @@
 namespace brink {
 namespace {
 
+/// Disparities as grey, near = bright, none = black, where there is no picture to draw on.
+cv::Mat1b grey_disparity(const cv::Mat1f& disparity) {
+  double largest = 0.0;
+  cv::minMaxLoc(disparity, nullptr, &largest);
+  cv::Mat1b grey;
+  disparity.convertTo(grey, CV_8U, largest > 0.0 ? 255.0 / largest : 0.0);
+  return grey;
+}
+
 cv::Mat3b left_picture(const Frame& frame) {
   if (!frame.left_color.empty()) return frame.left_color.clone();
   cv::Mat3b picture;
-  if (!frame.left.empty()) cv::cvtColor(frame.left, picture, cv::COLOR_GRAY2BGR);
+  const cv::Mat1b grey = frame.left.empty() && !frame.disparity.empty() ? grey_disparity(frame.disparity) : frame.left;
+  if (!grey.empty()) cv::cvtColor(grey, picture, cv::COLOR_GRAY2BGR);
   return picture;
 }
 

@@ -156,7 +156,7 @@ cv::Mat3b draw_top_view(const Frame& frame, const Detection& detection, const st
   const Map map(has_ground ? detection.ground.pose : GroundPose{}, size);
   if (has_ground) {
     draw_surface(picture, map, detection, frame.camera, params);
-    draw_field_of_view(picture, map, frame.left.size(), frame.camera);
+    draw_field_of_view(picture, map, frame.size(), frame.camera);
   }
   draw_rings(picture, map, pen);
   if (!has_ground) return picture;

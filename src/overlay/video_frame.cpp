@@ -54,13 +54,14 @@ cv::Mat3b draw_left(const Frame& frame, const Detection& detection) {
   Frame small;
   small.left = resized_to(frame.left, kLeftPanel, cv::INTER_AREA);
   small.left_color = resized_to(frame.left_color, kLeftPanel, cv::INTER_AREA);
-  if (frame.left.empty()) small.left = cv::Mat1b(kLeftPanel.size(), uchar{0});
+  if (frame.left.empty()) small.disparity = resized_to(frame.disparity, kLeftPanel, cv::INTER_NEAREST);
+  if (frame.size().empty()) small.left = cv::Mat1b(kLeftPanel.size(), uchar{0});
   Detection told;
   told.status = detection.status;
   told.reason = detection.reason;
   told.ground = detection.ground;
-  const double across = small.left.cols / std::max(1.0, static_cast<double>(frame.left.cols));
-  const double down = small.left.rows / std::max(1.0, static_cast<double>(frame.left.rows));
+  const double across = small.size().width / std::max(1.0, static_cast<double>(frame.size().width));
+  const double down = small.size().height / std::max(1.0, static_cast<double>(frame.size().height));
   told.obstacles = scaled(detection.obstacles, across, down);
   told.tracks = scaled(detection.tracks, across, down);
   return draw_obstacles(small, told);

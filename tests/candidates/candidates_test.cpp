@@ -386,5 +386,15 @@ TEST(Regions, HolesInsideDoNotSplitThem) {
   EXPECT_EQ(trace_contour(regions[0].mask, regions[0].box).size(), 24U) << "the outer contour only";
 }
 
+TEST_F(Candidates, WithoutAPictureThereIsNoType2AndTheOtherHasNoColour) {
+  see({{2.0, 3.0, -0.4, 0.6, 0.5}});
+  blacken({300, 100, 40, 40}, {5, 5, 5});
+  ASSERT_FALSE(no_disparity().empty());
+  frame_ = make_frame_with_disparity({}, disparity_, camera_);
+  EXPECT_TRUE(no_disparity().empty());
+  ASSERT_EQ(below_ground().size(), 1U);
+  EXPECT_EQ(below_ground()[0].mean_color, cv::Scalar());
+}
+
 }  // namespace
 }  // namespace brink

@@ -11,7 +11,7 @@
 namespace brink {
 namespace {
 
-SmoothPair smooth(const Frame& frame) { return {smooth_for_patches(frame.left), smooth_for_patches(frame.right)}; }
+SmoothPair smooth(const Frame& frame) { return make_smooth_pair(frame); }
 
 StereoFeatures find_stereo_features(const Frame& frame) {
   return {FeatureIndex(find_features(frame.left, {}), frame.left.size()),

@@ -46,19 +46,25 @@ inline double room_texture(double x, double y, unsigned surface) {
   return 10.0 + value / 3.0 * 235.0;
 }
 
-/// Grey seen along a ray inside a box of 6 x 3.1 x 10 m. Its walls are the surfaces 0 to 5, a passer-by is surface 6.
-inline double trace_room(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, const std::optional<PasserBy>& passer_by) {
+/// Where a ray meets the walls of a box of 6 x 3.1 x 10 m.
+struct RoomHit {
+  double length = std::numeric_limits<double>::infinity();  ///< in lengths of the ray
+  int axis = 0;                                             ///< that the wall is square to
+};
+inline RoomHit hit_room(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) {
   const Eigen::Vector3d low(-3.0, -1.5, -2.0);
   const Eigen::Vector3d high(3.0, 1.6, 8.0);
-  double nearest = std::numeric_limits<double>::infinity();
-  int axis = 0;
+  RoomHit hit;
   for (int i = 0; i < 3; ++i) {
     const double length = ((ray[i] > 0.0 ? high[i] : low[i]) - origin[i]) / ray[i];
-    if (length < nearest) {
-      nearest = length;
-      axis = i;
-    }
+    if (length < hit.length) hit = {length, i};
   }
+  return hit;
+}
+
+/// Grey seen along a ray inside the room. Its walls are the surfaces 0 to 5, a passer-by is surface 6.
+inline double trace_room(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, const std::optional<PasserBy>& passer_by) {
+  const auto [nearest, axis] = hit_room(origin, ray);
   if (passer_by) {
     const double length = (passer_by->centre.z() - origin.z()) / ray.z();
     const Eigen::Vector3d place = origin + length * ray - passer_by->centre;
@@ -93,6 +99,19 @@ inline cv::Mat1b render_eye(const StereoCamera& camera, const cv::Size& size, co
     }
   }
   return picture;
+}
+
+/// Exact depths of the empty room, m.
+inline cv::Mat1f render_room_depth(const Eigen::Isometry3d& world_from_camera) {
+  const StereoCamera camera = room_camera();
+  cv::Mat1f depth(room_size());
+  for (int v = 0; v < depth.rows; ++v) {
+    for (int u = 0; u < depth.cols; ++u) {
+      const Eigen::Vector3d ray((u - camera.cx) / camera.focal, (v - camera.cy) / camera.focal, 1.0);  // its z is 1 m
+      depth(v, u) = static_cast<float>(hit_room(world_from_camera.translation(), world_from_camera.linear() * ray).length);
+    }
+  }
+  return depth;
 }
 
 /// A frame of the room. Its pose is world_from_camera; frames are 1/15 s apart.

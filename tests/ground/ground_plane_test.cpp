@@ -1,6 +1,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -62,6 +63,31 @@ TEST(GroundPlane, RayThroughAPixelMeetsTheGroundWhereItsDisparitySays) {
   EXPECT_TRUE(point->isApprox(camera.triangulate(500.0, 300.0, plane.disparity(500.0, 300.0)), 1e-9));
   EXPECT_NEAR(pose.elevation(*point), 0.0, 1e-9);
   EXPECT_FALSE(pose.intersect(320.0, -10000.0, camera)) << "above the horizon";
+}
+
+TEST(GroundMotion, MovesAPointOfTheGroundToItself) {
+  const StereoCamera camera = test::half_size_camera();
+  const auto pose = [&](double height, double pitch, double roll) {
+    return compute_ground_pose(make_ground_plane(height, pitch, roll, camera), camera);
+  };
+  const GroundPose before = pose(1.5, 20.0, -7.0);
+  const GroundPose after = pose(1.7, 31.0, 4.0);
+  const Eigen::Isometry3d motion = compute_ground_motion(before, after);
+  for (const auto& [ahead, aside] : {std::pair(2.0, 0.0), std::pair(3.0, -1.0)}) {
+    const Eigen::Vector3d point = before.height_m * before.down + ahead * before.forward + aside * before.right;
+    EXPECT_TRUE((motion * point).isApprox(after.height_m * after.down + ahead * after.forward + aside * after.right, 1e-9));
+  }
+  EXPECT_NEAR(motion.linear().determinant(), 1.0, 1e-12);
+  EXPECT_TRUE(compute_ground_motion(before, before).isApprox(Eigen::Isometry3d::Identity(), 1e-12));
+}
+
+TEST(GroundMotion, OfALevelCameraThatRisesIsDown) {
+  // By hand: y points down; from 1 m to 1.2 m everything is 0.2 m farther down.
+  const StereoCamera camera{100.0, 50.0, 40.0, 0.2};
+  const auto motion = compute_ground_motion(compute_ground_pose(make_ground_plane(1.0, 0.0, 0.0, camera), camera),
+                                            compute_ground_pose(make_ground_plane(1.2, 0.0, 0.0, camera), camera));
+  EXPECT_TRUE(motion.linear().isApprox(Eigen::Matrix3d::Identity(), 1e-12));
+  EXPECT_TRUE(motion.translation().isApprox(Eigen::Vector3d(0.0, 0.2, 0.0), 1e-9));
 }
 
 TEST(GroundPlane, LookingStraightDownHasAForwardDirection) {

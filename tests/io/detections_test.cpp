@@ -245,6 +245,18 @@ TEST(JsonLine, HoldsTheEgoMotion) {
   EXPECT_EQ(json["current_from_previous"][3], Json({0.0, 0.0, 0.0, 1.0}));
 }
 
+TEST(ReadDetections, ReadsWhatADepthSensorWithoutPicturesLeavesOut) {
+  Detection detection = moving_example();
+  detection.ego_motion_state = EgoMotionState::ground;
+  detection.no_disparity_off = "no left picture";
+  const Json json = Json::parse(to_json_line(detection));
+  EXPECT_EQ(json["ego_motion"]["state"], "ground");
+  EXPECT_EQ(json["no_disparity_off"], "no left picture");
+  EXPECT_FALSE(Json::parse(to_json_line(example())).contains("no_disparity_off"));
+  const test::TemporaryFolder folder;
+  EXPECT_EQ(rewritten(folder.add("d.jsonl", to_json_line(detection))), to_json_line(detection));
+}
+
 TEST(ReadDetections, ReadsTheEgoMotionBack) {
   const test::TemporaryFolder folder;
   Detection failed = example();

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -16,6 +18,9 @@
 
 namespace brink {
 namespace {
+
+// OpenCV reads this once, before its first OpenEXR picture.
+const int kOpenExrIsOn = ::setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1);
 
 cv::Mat noise(int type, cv::Size size = {37, 23}) {
   cv::Mat picture(size, type);
@@ -173,12 +178,16 @@ TEST(ReadDisparity, RefusesWhatIsNoDisparityImage) {
   test::expect_line_with(disparity_fault("d.png", encoded(".png", noise(CV_16UC3))),
                          "d.png: is a 16-bit picture of 3 channels");
   test::expect_line_with(disparity_fault("d.pfm", "PF\n1 1\n-1\n0000"), "d.pfm: is no grey PFM picture");
-  for (const std::string header : {"", "Pf", "Pf\n0 1\n-1\n", "Pf\n1 1\n0\n", "Pf\n1 -1\n-1\n", "Pf\nx"}) {
+  test::expect_line_with(disparity_fault("d.pfm", ""), "d.pfm: is empty, expected a PNG, TIFF, PFM or OpenEXR picture");
+  test::expect_line_with(disparity_fault("d.pfm", "hello"), "d.pfm: is no PNG, TIFF, PFM or OpenEXR picture");
+  test::expect_line_with(disparity_fault("d.tif", encoded(".tif", noise(CV_8UC1))), "d.tif: holds numbers of kind CV_8U");
+  test::expect_line_with(disparity_fault("d.tif", encoded(".tif", noise(CV_64FC1))), "d.tif: holds numbers of kind CV_64F");
+  test::expect_line_with(disparity_fault("d.tif", encoded(".tif", noise(CV_16UC3))), "d.tif: has 3 different channels");
+  for (const std::string header : {"Pf", "Pf\n0 1\n-1\n", "Pf\n1 1\n0\n", "Pf\n1 -1\n-1\n", "Pf\nx"}) {
     test::expect_line_with(disparity_fault("d.pfm", header),
                            "d.pfm: is no grey PFM picture, expected Pf, columns, rows, scale");
   }
   EXPECT_THROW(read_disparity("/no/such/file.png"), std::runtime_error);
-  EXPECT_THROW(read_disparity("d.tiff"), std::invalid_argument);
 }
 
 TEST(ReadDisparity, RefusesTruncatedFiles) {
@@ -189,6 +198,113 @@ TEST(ReadDisparity, RefusesTruncatedFiles) {
   for (const std::string header : {"Pf\n1 1\n-1", "Pf\n1 1\n-1\n", "Pf\n1000000000 1000000000\n-1\nabcd"}) {
     test::expect_line_with(disparity_fault("d.pfm", header), "d.pfm: is a truncated PFM picture");
   }
+}
+
+/// All the kinds of files that hold floats.
+const std::vector<std::string> kFloatFiles = {".tiff", ".pfm", ".exr"};
+
+TEST(ReadDisparity, ReadsFloatFilesInPixels) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  cv::Mat1f stored(5, 7, 3.25F);
+  stored(0, 0) = 1.5F;  // upright: the first number of the file is its last row in PFM
+  stored(4, 6) = 300.75F;
+  stored(2, 0) = 0.0F;
+  stored(2, 1) = -3.0F;
+  stored(2, 2) = std::numeric_limits<float>::quiet_NaN();
+  stored(2, 3) = infinity;
+  stored(2, 4) = -infinity;
+  const test::TemporaryFolder folder;
+  for (const std::string& extension : kFloatFiles) {
+    SCOPED_TRACE(extension);
+    const cv::Mat1f disparity = read_disparity(folder.add("d" + extension, encoded(extension, stored)));
+    ASSERT_EQ(disparity.size(), cv::Size(7, 5));
+    EXPECT_EQ(disparity(0, 0), 1.5F);
+    EXPECT_EQ(disparity(4, 6), 300.75F);
+    EXPECT_EQ(disparity(2, 0), 0.0F);
+    for (int u = 1; u <= 4; ++u) EXPECT_EQ(disparity(2, u), kInvalidDisparity) << u;
+    EXPECT_EQ(disparity(2, 5), 3.25F);
+  }
+}
+
+TEST(ReadDisparity, TurnsAPfmMadeByHandUpright) {
+  // Two rows of one pixel: 2 below, 1 above. The file begins with the bottom row.
+  const std::string bytes = std::string("Pf\n1 2\n-1\n") + std::string("\0\0\0\x40\0\0\x80\x3f", 8);
+  const test::TemporaryFolder folder;
+  const cv::Mat1f disparity = read_disparity(folder.add("d.pfm", bytes));
+  EXPECT_EQ(disparity(0, 0), 1.0F);
+  EXPECT_EQ(disparity(1, 0), 2.0F);
+}
+
+TEST(ReadDisparity, TakesTheFirstOfThreeEqualChannels) {
+  const cv::Mat1f one = (cv::Mat1f(2, 3) << 1.0F, 2.0F, 3.5F, 4.0F, std::numeric_limits<float>::quiet_NaN(), 6.0F);
+  cv::Mat three;
+  cv::merge(std::vector<cv::Mat>(3, one), three);
+  const std::vector<int> exactly = {cv::IMWRITE_TIFF_COMPRESSION, 1};  // by itself OpenCV stores colours of float as it likes
+  const test::TemporaryFolder folder;
+  for (const std::string extension : {".tiff", ".exr"}) {
+    SCOPED_TRACE(extension);
+    const cv::Mat1f disparity = read_disparity(folder.add("d" + extension, encoded(extension, three, exactly)));
+    EXPECT_EQ(disparity(0, 2), 3.5F);
+    EXPECT_EQ(disparity(1, 1), kInvalidDisparity);
+    cv::Mat other = three.clone();
+    other.at<cv::Vec3f>(1, 2)[1] = 6.5F;
+    test::expect_line_with(disparity_fault("e" + extension, encoded(extension, other, exactly)), "has 3 different channels");
+  }
+}
+
+TEST(ReadDisparity, RefusesEveryTruncatedFloatFile) {
+  for (const std::string& extension : kFloatFiles) {
+    SCOPED_TRACE(extension);
+    const std::string whole = encoded(extension, cv::Mat1f(3, 4, 2.5F));
+    // A TIFF ends with four bytes that tell where its next picture is: nothing of this one.
+    const std::size_t needed = extension == ".tiff" ? whole.size() - 4 : whole.size();
+    for (std::size_t length = 0; length < needed; ++length) {
+      EXPECT_NE(disparity_fault("d" + extension, whole.substr(0, length)), "") << length << " of " << whole.size();
+    }
+  }
+}
+
+TEST(ReadDepth, IsMillimetresIn16BitAndMetresInFloat) {
+  const test::TemporaryFolder folder;
+  const cv::Mat1w millimetres = (cv::Mat1w(2, 2) << 0, 1, 1500, 65535);
+  for (const std::string extension : {".png", ".tiff"}) {
+    SCOPED_TRACE(extension);
+    const cv::Mat1f depth = read_depth(folder.add("d" + extension, encoded(extension, millimetres)));
+    EXPECT_EQ(depth(0, 0), 0.0F) << "none";
+    EXPECT_FLOAT_EQ(depth(0, 1), 0.001F);
+    EXPECT_FLOAT_EQ(depth(1, 0), 1.5F);
+    EXPECT_FLOAT_EQ(depth(1, 1), 65.535F);
+  }
+  const cv::Mat1f metres = (cv::Mat1f(1, 3) << 1.5F, std::numeric_limits<float>::infinity(), -1.0F);
+  for (const std::string& extension : kFloatFiles) {
+    SCOPED_TRACE(extension);
+    const cv::Mat1f depth = read_depth(folder.add("f" + extension, encoded(extension, metres)));
+    EXPECT_EQ(depth(0, 0), 1.5F);
+    EXPECT_EQ(depth(0, 1), 0.0F);
+    EXPECT_EQ(depth(0, 2), 0.0F);
+  }
+}
+
+TEST(ReadDisparity, TakesA16BitTiffAs256ths) {
+  const cv::Mat1w stored = (cv::Mat1w(1, 3) << 0, 256, 640);
+  const test::TemporaryFolder folder;
+  const cv::Mat1f disparity = read_disparity(folder.add("d.tif", encoded(".tif", stored)));
+  EXPECT_EQ(disparity(0, 0), kInvalidDisparity);
+  EXPECT_EQ(disparity(0, 1), 1.0F);
+  EXPECT_EQ(disparity(0, 2), 2.5F);
+}
+
+TEST(ReadPicture, SaysWhatToDoWithDisparitiesAndDepths) {
+  for (const std::string& extension : kFloatFiles) {
+    test::expect_line_with(fault(encoded(extension, cv::Mat1f(3, 4, 2.5F))),
+                           "is a TIFF, PFM or OpenEXR picture, expected PNG or JPEG: disparities and depths must be told");
+  }
+  test::expect_line_with(fault(encoded(".png", noise(CV_16UC1))), "(--as disparity|depth)");
+}
+
+TEST(IsDepthName, TakesPngTiffPfmAndOpenExr) {
+  for (const char* name : {"a.png", "a.TIF", "b/a.tiff", "a.pfm", "a.exr"}) EXPECT_TRUE(is_depth_name(name)) << name;
+  for (const char* name : {"a.jpg", "a", "exr", "a.txt"}) EXPECT_FALSE(is_depth_name(name)) << name;
 }
 
 TEST(DisparityFormat, IsToldByTheExtension) {

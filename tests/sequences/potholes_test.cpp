@@ -1,6 +1,8 @@
 // Real potholes (R. Fan et al., TIP 2019 and arXiv 2012.10802), stills: found, false and missed regions, and pixel recall,
 // precision and F over all frames, beside the published rows.
 
+#include <cstdlib>
+#include <limits>
 #include <string>
 
 #include <fmt/format.h>
@@ -8,8 +10,11 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "brink/detections.hpp"
 #include "brink/detector.hpp"
+#include "brink/pictures.hpp"
 #include "brink/sequence.hpp"
+#include "temporary_folder.hpp"
 #include "test_data.hpp"
 
 namespace brink {
@@ -97,6 +102,50 @@ TEST(Potholes, AllOfSetBAreFoundWithNoFalseRegion) {
   EXPECT_EQ(score.found, 3);
   EXPECT_EQ(score.false_regions, 0);
   EXPECT_GT(score.f(), 0.85);
+}
+
+/// The disparities that brink computes, written to a file of this kind and read back.
+cv::Mat1f through_file(const cv::Mat1f& disparity, const std::string& extension) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder / ("d" + extension);
+  if (extension == ".png" || extension == ".pfm") {
+    return read_disparity(folder.add("d" + extension, encode_disparity(disparity, disparity_format(path))));
+  }
+  cv::Mat1f stored = disparity.clone();
+  stored.setTo(std::numeric_limits<float>::quiet_NaN(), disparity == kInvalidDisparity);
+  cv::imwrite(path, stored);
+  return read_disparity(path);
+}
+
+TEST(Potholes, AreTheSameFromDisparityFilesOfEachKind) {
+  BRINK_REQUIRE_DATA(folder, "pothole_b");
+  ::setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1);
+  DetectorParams params;
+  params.stills = true;
+  params.candidates.min_depth_m = kMinDepth;
+  const Sequence sequence = open_sequence(folder);
+  for (int i = 0; i < sequence.size(); ++i) {
+    const Frame frame = sequence.read(i).frame;
+    Detection pair = Detector(params).process(frame);
+    ASSERT_FALSE(pair.obstacles.empty());
+    pair.times = {};
+    for (const std::string extension : {".pfm", ".tiff", ".exr", ".png"}) {
+      SCOPED_TRACE(fmt::format("{} {}", i, extension));
+      const cv::Mat1f disparity = through_file(pair.disparity, extension);
+      Detection given = Detector(params).process(
+          make_frame_with_disparity(frame.left_color, disparity, frame.camera, frame.index, frame.time));
+      given.times = {};
+      if (extension != ".png") {
+        EXPECT_EQ(to_json_line(given), to_json_line(pair));
+        continue;
+      }
+      ASSERT_EQ(given.obstacles.size(), pair.obstacles.size());  // rounded to 1/256 px
+      for (std::size_t k = 0; k < pair.obstacles.size(); ++k) {
+        EXPECT_NEAR(given.obstacles[k].candidate.distance_m, pair.obstacles[k].candidate.distance_m, 0.005);
+        EXPECT_NEAR(*given.obstacles[k].candidate.depth_m, *pair.obstacles[k].candidate.depth_m, 0.001);
+      }
+    }
+  }
 }
 
 }  // namespace
