@@ -25,8 +25,8 @@ struct CandidateParams {
   double min_depth_m = 0.15;         ///< T_e1: Type 1 lies at least this far below the ground
   double rim_depth_ratio = 0.4;      ///< Type 1 is drawn out to where the surface is this share of min_depth_m down; 1 = not
   double min_slope_deg = 10.0;       ///< Type 1: a quarter of its rim must be steeper than a slope that people walk; 0 = any
-  double max_share_beyond = 0.5;   ///< Type 1: at most this share of it may lie beyond its far rim, as mirrors show it; 1 = all
-  double min_ground_misfit = 0.2;  ///< Type 1: the ground must explain the pictures worse by this share; 0 = no test
+  double max_share_beyond = 0.5;  ///< Type 1: at most this share of it may lie beyond its far rim, as mirrors show it; 1 = all
+  double min_ground_misfit = 0.08;     ///< Type 1: the ground must explain the pictures worse by this share; 0 = no test
   double max_share_standing = 0.5;     ///< Type 2: at most this share of its border may stand above the ground; 1 = no test
   int touching_gap_px = 12;            ///< pixels without disparity between a region and what it touches, at most
   double disparity_sd_px = 0.3;        ///< standard deviation of a disparity

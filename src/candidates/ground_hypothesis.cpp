@@ -14,7 +14,7 @@ namespace {
 constexpr int kRadius = 3;  // px, half of the compared window
 constexpr int kWidth = 2 * kRadius + 1;
 constexpr double kApart = 1.0;      // px between the hypotheses, at least: nearer ones cannot be told apart
-constexpr double kSlack = 0.5;      // px that either hypothesis may be off
+constexpr double kSlack = 0.25;     // px that either hypothesis may be off
 constexpr double kContrast = 1.0;   // grey levels, standard deviation in a window, at least: less is noise
 constexpr int kTargetPixels = 400;  // of a region, evenly spread
 constexpr int kFewest = 20;

@@ -18,6 +18,7 @@ constexpr double kHighest = 1.0;  // m above or below the plane: farther from it
 constexpr int kLeastPoints = 4;   // in a cell
 constexpr double kNoisePx = 0.3;  // of a cell's median disparity: its pixels err together
 constexpr double kNearlyAll = 0.8;
+constexpr double kEnclosed = 0.7;    // share of the cells around
 constexpr double kAgreement = 0.04;  // m: this near to the plane a surface is on it
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
@@ -129,16 +130,27 @@ cv::Mat1b follow(const Cells& cells, const Grid& grid, const GroundParams& param
   return followed;
 }
 
-/// Takes back what was followed off the plane over a small extent only: a shallow bowl is no bend of the road.
-void drop_small(cv::Mat1b& followed, const Cells& cells, const Grid& grid, const GroundParams& params) {
-  const cv::Mat1b off((cv::abs(cells.height) > kAgreement) & followed);
+/// Share of the cells around a part that lie on the plane.
+double share_on_plane(const cv::Mat1b& part, const cv::Mat1b& on_plane) {
+  cv::Mat1b ring;
+  cv::dilate(part, ring, cv::Mat());
+  ring -= part;
+  return static_cast<double>(cv::countNonZero(ring & on_plane)) / cv::countNonZero(ring);
+}
+
+/// Takes back what is no bend of the ground: what is off the plane over a small extent only, or with the plane all around it.
+/// That is a dent, however gentle; a ramp goes on to where the view ends.
+void drop_dents(cv::Mat1b& followed, const Cells& cells, const Grid& grid, const GroundParams& params) {
+  const cv::Mat1b on_plane((cv::abs(cells.height) <= kAgreement) & followed);
+  const cv::Mat1b off(followed & ~on_plane);
   cv::Mat1i labels;
   cv::Mat1i stats;
   cv::Mat1d centroids;
   const int count = cv::connectedComponentsWithStats(off, labels, stats, centroids, 8, CV_32S);
   for (int label = 1; label < count; ++label) {
     const int extent = std::min(stats(label, cv::CC_STAT_WIDTH), stats(label, cv::CC_STAT_HEIGHT));
-    if (extent * grid.cell_m < params.follow_extent_m) followed.setTo(0, labels == label);
+    const cv::Mat1b part(labels == label);
+    if (extent * grid.cell_m < params.follow_extent_m || share_on_plane(part, on_plane) > kEnclosed) followed.setTo(0, part);
   }
 }
 
@@ -193,7 +205,7 @@ cv::Mat1f follow_ground(const cv::Mat1f& elevation, const cv::Mat1f& disparity, 
   const Grid grid = make_grid(params);
   const Cells cells = collect(elevation, disparity, grid, pose, camera, step);
   cv::Mat1b followed = follow(cells, grid, params);
-  drop_small(followed, cells, grid, params);
+  drop_dents(followed, cells, grid, params);
   const cv::Mat1f surface = spread(followed, cells);
   cv::Mat1f over_ground(elevation.size(), kUnknown);
   for (int v = 0; v < elevation.rows; ++v) {

@@ -269,9 +269,9 @@ TEST(Simulate, ListsTheFamiliesWithTheirMeaning) {
   const CommandResult result = run_command("simulate --list");
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   const auto lines = lines_of(result.output);
-  ASSERT_EQ(lines.size(), 6U);
+  ASSERT_EQ(lines.size(), 7U);
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::array<const char*, 6> names{"stairs", "platform", "manholes", "street", "control", "motion"};
+    const std::array<const char*, 7> names{"stairs", "platform", "manholes", "street", "control", "motion", "crowd"};
     EXPECT_TRUE(lines[i].starts_with(std::string(names.at(i)) + ": ")) << lines[i];
     EXPECT_GT(lines[i].size(), 25U) << lines[i];
   }
