@@ -54,6 +54,9 @@ Grid make_grid(const GroundParams& params) {
 Cells collect(const cv::Mat1f& elevation, const cv::Mat1f& disparity, const Grid& grid, const GroundPose& pose,
               const StereoCamera& camera, int step) {
   std::vector<std::vector<float>> heights(static_cast<std::size_t>(grid.size.area()));
+  const auto index = [&grid](int row, int column) {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.size.width) + static_cast<std::size_t>(column);
+  };
   Cells cells{cv::Mat1f(grid.size, kUnknown), cv::Mat1f(grid.size, 0.0F), cv::Mat1f(grid.size, 0.0F)};
   for (int v = step / 2; v < elevation.rows; v += step) {
     for (int u = step / 2; u < elevation.cols; u += step) {
@@ -62,13 +65,13 @@ Cells collect(const cv::Mat1f& elevation, const cv::Mat1f& disparity, const Grid
       const cv::Point2d place = grid.place(camera.triangulate(u, v, d), pose);
       const cv::Point cell(cvRound(place.x), cvRound(place.y));
       if (!grid.contains(cell)) continue;
-      heights[static_cast<std::size_t>(cell.y * grid.size.width + cell.x)].push_back(elevation(v, u));
+      heights[index(cell.y, cell.x)].push_back(elevation(v, u));
       cells.noise(cell) = static_cast<float>(kNoisePx * pose.height_m / d);
     }
   }
   for (int row = 0; row < grid.size.height; ++row) {
     for (int column = 0; column < grid.size.width; ++column) {
-      std::vector<float>& all = heights[static_cast<std::size_t>(row * grid.size.width + column)];
+      std::vector<float>& all = heights[index(row, column)];
       if (all.size() < kLeastPoints) continue;
       std::ranges::sort(all);
       cells.height(row, column) = all[all.size() / 2];
