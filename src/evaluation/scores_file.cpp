@@ -245,6 +245,8 @@ Json parse(const std::string& path) {
   } catch (const Json::parse_error& error) {
     throw std::runtime_error(
         fmt::format("{}: is no JSON at byte {} of {}; is it cut off or of another kind?", path, error.byte, text.size()));
+  } catch (const Json::out_of_range&) {
+    throw std::runtime_error(path + ": holds a number that is too large");
   }
 }
 

@@ -136,6 +136,7 @@ TEST(ScoresFile, OfAnotherKindIsRefused) {
   test::expect_line_with(fault("{}"), R"(scores.json: format = null, expected "brink-scores-1")");
   test::expect_line_with(fault(R"({"format":"brink-scores-2"})"), R"(format = "brink-scores-2", expected "brink-scores-1")");
   test::expect_line_with(fault(R"({"frame":0,"obstacles":[]}{"frame":1})"), "scores.json: is no JSON at byte 27 of 37");
+  test::expect_line_with(fault(R"({"format":5e999})"), "scores.json: holds a number that is too large");
   EXPECT_THROW(read_scores("/nowhere/scores.json"), std::runtime_error);
 }
 
