@@ -70,7 +70,7 @@ struct Candidate {
 };
 
 /// Section III.C.3, Type 1: 8-connected regions of valid pixels with elevation <= -min_depth_m, drawn out to their rim.
-/// @param elevation from compute_elevation, m, NaN = none. @param disparity px. Both of frame.size().
+/// @param elevation from compute_elevation or follow_ground, m, NaN = none. @param disparity px. Both of frame.size().
 /// @return accepted and rejected regions, in the order of their first pixel row by row; empty when there is none.
 /// @throws std::invalid_argument when sizes differ or parameters are not valid.
 std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation,

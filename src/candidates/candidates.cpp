@@ -72,10 +72,10 @@ struct Touching {
   int valid = 0;
 };
 
-Touching count_touching(const Region& region, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
+/// @param none 255 = no disparity.
+Touching count_touching(const Region& region, const cv::Mat1b& none, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
                         const CandidateParams& params) {
   Touching touching;
-  const cv::Mat1b none(disparity < kLeastDisparity);
   for (const cv::Point& p : ring_pixels(region, none, params.touching_gap_px)) {
     const PixelKind kind = pixel_kind(disparity(p), elevation(p), params);
     touching.valid += kind != PixelKind::none ? 1 : 0;
@@ -211,7 +211,8 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
   params.validate();
   const GroundPose pose = compute_ground_pose(ground, frame.camera);
   const cv::Mat1b range = compute_range_mask(elevation.size(), pose, frame.camera, params.max_range_m);
-  const cv::Mat1b valid(disparity >= kLeastDisparity);
+  const cv::Mat1b none(disparity < kLeastDisparity);
+  const cv::Mat1b valid(~none);
   const cv::Mat1b deep((elevation <= -params.min_depth_m) & valid & range);
   const cv::Mat1b low((elevation <= -params.min_depth_m * params.rim_depth_ratio) & valid & range);
   const cv::Mat1b level((elevation > -params.min_depth_m * params.rim_depth_ratio) & valid &
@@ -224,7 +225,7 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
     if (deep_px < params.min_listed_area_px) continue;
     Candidate candidate = measure(frame, region, CandidateType::below_ground, disparity, pose);
     candidate.depth_m = compute_depth(region, elevation);
-    const Touching touching = count_touching(region, disparity, elevation, params);
+    const Touching touching = count_touching(region, none, disparity, elevation, params);
     require(candidate, "area", deep_px > params.below_ground_min_area_px, deep_px, params.below_ground_min_area_px);
     require(candidate, "touches_ground", touching.ground >= params.min_touching_px, touching.ground, params.min_touching_px);
     if (params.min_slope_deg > 0.0) {
@@ -252,12 +253,13 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
   const GroundPose pose = compute_ground_pose(ground, frame.camera);
   const cv::Mat1b range = compute_range_mask(elevation.size(), pose, frame.camera, params.max_range_m);
   const cv::Mat1b overlap = compute_overlap_mask(elevation.size(), ground, params.border_px);
-  const cv::Mat1b mask((disparity < kLeastDisparity) & range & overlap);
+  const cv::Mat1b none(disparity < kLeastDisparity);
+  const cv::Mat1b mask(none & range & overlap);
 
   std::vector<Candidate> candidates;
   for (const Region& region : find_regions(mask, params.min_listed_area_px)) {
     Candidate candidate = measure(frame, region, CandidateType::no_disparity, disparity, pose);
-    const Touching touching = count_touching(region, disparity, elevation, params);
+    const Touching touching = count_touching(region, none, disparity, elevation, params);
     const int surface = touching.ground + touching.below_ground;
     const double brightest = std::max({candidate.mean_color[0], candidate.mean_color[1], candidate.mean_color[2]});
     require(candidate, "area", region.area_px > params.no_disparity_min_area_px, region.area_px,

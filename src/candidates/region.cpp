@@ -58,18 +58,7 @@ std::vector<cv::Point> trace_contour(const cv::Mat1b& mask, const cv::Rect& box)
   return *std::ranges::max_element(contours, {}, &std::vector<cv::Point>::size);
 }
 
-std::vector<cv::Point> ring_pixels(const Region& region) {
-  std::vector<cv::Point> pixels;
-  for (int v = 0; v < region.mask.rows; ++v) {
-    for (int u = 0; u < region.mask.cols; ++u) {
-      if (region.dilated(v, u) != 0 && region.mask(v, u) == 0) pixels.emplace_back(region.box.x + u, region.box.y + v);
-    }
-  }
-  return pixels;
-}
-
 std::vector<cv::Point> ring_pixels(const Region& region, const cv::Mat1b& passable, int gap_px) {
-  if (gap_px == 0) return ring_pixels(region);
   const cv::Rect in_picture = region.box & cv::Rect(cv::Point(0, 0), passable.size());
   const cv::Rect around =
       cv::Rect(region.box.tl() - cv::Point(gap_px, gap_px), region.box.size() + cv::Size(2 * gap_px, 2 * gap_px)) &

@@ -21,10 +21,8 @@ std::vector<Region> find_regions(const cv::Mat1b& mask, int min_area_px);
 /// Outer contour of a cut-out mask, every pixel of it, in picture coordinates. Of several parts the longest.
 std::vector<cv::Point> trace_contour(const cv::Mat1b& mask, const cv::Rect& box);
 
-/// The pixels of the 1-px ring around a region, in picture coordinates, row by row.
-std::vector<cv::Point> ring_pixels(const Region& region);
-
-/// The same around a region that first grew through the pixels of a mask, by at most gap_px.
+/// The pixels of the 1-px ring around a region that first grew through the pixels of a mask, by at most gap_px; in picture
+/// coordinates, row by row.
 /// @param passable 255 = may be grown through; size of the picture.
 std::vector<cv::Point> ring_pixels(const Region& region, const cv::Mat1b& passable, int gap_px);
 

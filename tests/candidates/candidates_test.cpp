@@ -374,7 +374,7 @@ TEST(Regions, RingStaysInThePicture) {
   mask(0, 0) = 255;
   const auto regions = find_regions(mask, 1);
   ASSERT_EQ(regions.size(), 1U);
-  EXPECT_EQ(ring_pixels(regions[0]), (std::vector<cv::Point>{{1, 0}, {0, 1}, {1, 1}}));
+  EXPECT_EQ(ring_pixels(regions[0], cv::Mat1b(5, 5, uchar{0}), 0), (std::vector<cv::Point>{{1, 0}, {0, 1}, {1, 1}}));
 }
 
 TEST(Regions, HolesInsideDoNotSplitThem) {

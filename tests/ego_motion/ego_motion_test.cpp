@@ -19,21 +19,13 @@ namespace {
 using test::make_pose;
 using test::render_room;
 
-/// Squared error in its own standard deviations: 6 on average; above 60 once in 1e10, if the covariance is right.
-double squared_error_in_sigmas(const EgoMotion& motion, const Eigen::Isometry3d& truth) {
-  const Eigen::AngleAxisd turn(truth.linear() * motion.current_from_previous.linear().transpose());
-  Eigen::Matrix<double, 6, 1> error;
-  error << turn.angle() * turn.axis(), truth.translation() - motion.current_from_previous.translation();
-  return error.dot(motion.covariance.inverse() * error);
-}
-
 void expect_near(const EgoMotionEstimate& estimate, const Eigen::Isometry3d& truth, double metres, double degrees) {
   ASSERT_TRUE(estimate.motion) << estimate.reason;
   EXPECT_EQ(estimate.reason, "");
   const Eigen::Isometry3d& motion = estimate.motion->current_from_previous;
   EXPECT_LT((motion.translation() - truth.translation()).norm(), metres);
   EXPECT_LT(test::angle_deg(motion.linear() * truth.linear().transpose()), degrees);
-  EXPECT_LT(squared_error_in_sigmas(*estimate.motion, truth), 60.0);
+  EXPECT_LT(test::squared_error_in_sigmas(*estimate.motion, truth), 60.0);
   EXPECT_GT(estimate.inliers, 12);
   EXPECT_GE(estimate.matches, estimate.inliers);
 }
@@ -47,7 +39,7 @@ void expect_none(const EgoMotionEstimate& estimate, const std::string& reason) {
 /// The motion is right within its covariance, or there is none and a reason is told.
 void expect_right_or_none(const EgoMotionEstimate& estimate, const Eigen::Isometry3d& truth) {
   if (estimate.motion) {
-    EXPECT_LT(squared_error_in_sigmas(*estimate.motion, truth), 60.0);
+    EXPECT_LT(test::squared_error_in_sigmas(*estimate.motion, truth), 60.0);
   } else {
     EXPECT_NE(estimate.reason, "");
   }

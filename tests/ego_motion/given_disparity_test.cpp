@@ -42,19 +42,12 @@ Frame make_depth_frame(int index, const cv::Mat1f& depth_m) {
 }
 Frame walk_frame(int index) { return make_depth_frame(index, test::render_room_depth(walk(index))); }
 
-double squared_error_in_sigmas(const EgoMotion& motion, const Eigen::Isometry3d& truth) {
-  const Eigen::AngleAxisd turn(truth.linear() * motion.current_from_previous.linear().transpose());
-  Eigen::Matrix<double, 6, 1> error;
-  error << turn.angle() * turn.axis(), truth.translation() - motion.current_from_previous.translation();
-  return error.dot(motion.covariance.inverse() * error);
-}
-
 void expect_near(const EgoMotionEstimate& estimate, const Eigen::Isometry3d& truth, double metres, double degrees) {
   ASSERT_TRUE(estimate.motion) << estimate.reason;
   const Eigen::Isometry3d& motion = estimate.motion->current_from_previous;
   EXPECT_LT((motion.translation() - truth.translation()).norm(), metres);
   EXPECT_LT(test::angle_deg(motion.linear() * truth.linear().transpose()), degrees);
-  EXPECT_LT(squared_error_in_sigmas(*estimate.motion, truth), 60.0);
+  EXPECT_LT(test::squared_error_in_sigmas(*estimate.motion, truth), 60.0);
   EXPECT_GT(estimate.inliers, 12);
 }
 
@@ -113,7 +106,7 @@ TEST(EgoMotionFromDepth, DoesNotFollowADepthImageThatBelongsToAnotherPicture) {
   for (int frame = 0; frame < 3; ++frame) (void)estimator.estimate(walk_frame(frame));
   const auto estimate = estimator.estimate(make_depth_frame(3, test::render_room_depth(make_pose(1.5, 0.5, 4.0, 60.0))));
   if (estimate.motion) {
-    EXPECT_LT(squared_error_in_sigmas(*estimate.motion, walk_motion(2, 3)), 60.0);
+    EXPECT_LT(test::squared_error_in_sigmas(*estimate.motion, walk_motion(2, 3)), 60.0);
   } else {
     EXPECT_NE(estimate.reason, "");
   }

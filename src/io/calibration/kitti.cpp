@@ -1,56 +1,28 @@
 #include <algorithm>
-#include <map>
-#include <sstream>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "io/calibration/kinds.hpp"
-#include "io/text.hpp"
+#include "io/calibration/text_fields.hpp"
 #include "io/yaml_fields.hpp"
 
 namespace brink {
 namespace {
 
-using Fields = std::map<std::string, std::vector<std::string>>;
-
-// "name: value value ..." on each line.
-Fields read_fields(const std::string& text) {
-  Fields fields;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    const std::size_t colon = line.find(':');
-    if (colon == std::string::npos) continue;
-    std::istringstream words(line.substr(colon + 1));
-    std::vector<std::string> values;
-    for (std::string word; words >> word;) values.push_back(word);
-    fields[std::string(trimmed(std::string_view(line).substr(0, colon)))] = std::move(values);
-  }
-  return fields;
-}
-
 // Of the odometry data set, "P2"; of the raw one, "P_rect_02".
-const char* prefix_of(const Fields& fields) {
+const char* prefix_of(const TextFields& fields) {
   const bool raw =
       std::any_of(fields.begin(), fields.end(), [](const auto& field) { return field.first.starts_with("P_rect_"); });
   return raw ? "P_rect_0" : "P";
-}
-
-std::vector<double> read_field(const std::string& path, const Fields& fields, const std::string& name, std::size_t count) {
-  const std::vector<std::string>& words = fields.at(name);
-  check_count(path, name, words.size(), count);
-  std::vector<double> numbers;
-  for (std::size_t n = 0; n < count; ++n) numbers.push_back(read_number(path, name, n, words[n]));
-  return numbers;
 }
 
 }  // namespace
 
 bool looks_like_kitti(const std::string& text) {
   if (text.starts_with('%')) return false;  // YAML, which has P1 and P2 too
-  const Fields fields = read_fields(text);
+  const TextFields fields = read_text_fields(text, ':');
   return std::any_of(fields.begin(), fields.end(), [](const auto& field) {
     const auto& [name, words] = field;
     const bool projection = name.starts_with("P_rect_0") || (name.size() == 2 && name[0] == 'P');
@@ -62,7 +34,7 @@ bool looks_like_kitti(const std::string& text) {
 StereoCalibration read_kitti(const CalibrationRequest& request, const std::string& text) {
   constexpr std::size_t kProjectionSize = 12;
   const std::string& path = request.files.path;
-  const Fields fields = read_fields(text);
+  const TextFields fields = read_text_fields(text, ':');
   const std::string prefix = prefix_of(fields);
   const auto all_there = [&](const char* left, const char* right) {
     return fields.contains(prefix + left) && fields.contains(prefix + right);
@@ -77,10 +49,10 @@ StereoCalibration read_kitti(const CalibrationRequest& request, const std::strin
   }
   const std::string size_name = color ? "S_rect_02" : "S_rect_00";
   const cv::Size size =
-      fields.contains(size_name) ? make_size(path, size_name, read_field(path, fields, size_name, 2)) : cv::Size();
+      fields.contains(size_name) ? make_size(path, size_name, read_text_field(path, fields, size_name, 2)) : cv::Size();
   return from_projections(request, fmt::format("KITTI, {} and {}", left, right),
-                          {left, read_field(path, fields, left, kProjectionSize)},
-                          {right, read_field(path, fields, right, kProjectionSize)}, size, false);
+                          {left, read_text_field(path, fields, left, kProjectionSize)},
+                          {right, read_text_field(path, fields, right, kProjectionSize)}, size, false);
 }
 
 }  // namespace brink

@@ -1,59 +1,26 @@
 #include <cmath>
-#include <map>
-#include <sstream>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "io/calibration/kinds.hpp"
-#include "io/text.hpp"
+#include "io/calibration/text_fields.hpp"
 #include "io/yaml_fields.hpp"
 
 namespace brink {
 namespace {
 
-using Fields = std::map<std::string, std::vector<std::string>>;
-
-// "name=value" or "name=[a b c; d e f; g h i]" on each line.
-Fields read_fields(const std::string& text) {
-  Fields fields;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    const std::size_t equals = line.find('=');
-    if (equals == std::string::npos) continue;
-    std::string values = line.substr(equals + 1);
-    for (char& letter : values) {
-      if (letter == '[' || letter == ']' || letter == ';') letter = ' ';
-    }
-    std::istringstream words(values);
-    std::vector<std::string> field;
-    for (std::string word; words >> word;) field.push_back(word);
-    fields[std::string(trimmed(std::string_view(line).substr(0, equals)))] = std::move(field);
-  }
-  return fields;
-}
-
-std::vector<double> read_field(const std::string& path, const Fields& fields, const std::string& name, std::size_t count) {
-  const auto field = fields.find(name);
-  if (field == fields.end()) fail_file(path, name + " is missing");
-  check_count(path, name, field->second.size(), count);
-  std::vector<double> numbers;
-  for (std::size_t n = 0; n < count; ++n) numbers.push_back(read_number(path, name, n, field->second[n]));
-  return numbers;
-}
-
 // The camera matrix f 0 cx, 0 f cy, 0 0 1 as a projection; tx is told elsewhere.
-Projection projection_of(const std::string& path, const Fields& fields, const std::string& name, double tx) {
-  const std::vector<double> k = read_field(path, fields, name, 9);
+Projection projection_of(const std::string& path, const TextFields& fields, const std::string& name, double tx) {
+  const std::vector<double> k = read_text_field(path, fields, name, 9);
   return {name, {k[0], k[1], k[2], tx, k[3], k[4], k[5], 0.0, k[6], k[7], k[8], 0.0}};
 }
 
 }  // namespace
 
 bool looks_like_middlebury(const std::string& text) {
-  const Fields fields = read_fields(text);
+  const TextFields fields = read_text_fields(text, '=', "[];");
   return fields.contains("cam0") || fields.contains("doffs");
 }
 
@@ -61,19 +28,19 @@ bool looks_like_middlebury(const std::string& text) {
 StereoCalibration read_middlebury(const CalibrationRequest& request, const std::string& text) {
   constexpr double kMillimetres = 1e-3;
   const std::string& path = request.files.path;
-  const Fields fields = read_fields(text);
+  const TextFields fields = read_text_fields(text, '=', "[];");
   const Projection left = projection_of(path, fields, "cam0", 0.0);
-  const double baseline = read_field(path, fields, "baseline", 1)[0] * kMillimetres;
+  const double baseline = read_text_field(path, fields, "baseline", 1)[0] * kMillimetres;
   Projection right = projection_of(path, fields, "cam1", 0.0);
   right.p[3] = -baseline * right.p[0];
   const double offset = right.p[2] - left.p[2];
-  const double doffs = fields.contains("doffs") ? read_field(path, fields, "doffs", 1)[0] : offset;
+  const double doffs = fields.contains("doffs") ? read_text_field(path, fields, "doffs", 1)[0] : offset;
   constexpr double kTolerance = 0.01;  // px; the files have three digits
   if (std::abs(doffs - offset) > kTolerance) {
     fail_file(path, fmt::format("doffs = {}, expected the difference of the principal columns, {:.3f}", doffs, offset));
   }
-  std::vector<double> sides = read_field(path, fields, "width", 1);
-  sides.push_back(read_field(path, fields, "height", 1)[0]);
+  std::vector<double> sides = read_text_field(path, fields, "width", 1);
+  sides.push_back(read_text_field(path, fields, "height", 1)[0]);
   return from_projections(request, "Middlebury", left, right, make_size(path, "width, height", sides), true);
 }
 
