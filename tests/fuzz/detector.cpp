@@ -46,6 +46,32 @@ cv::Mat1b make_picture(FuzzedDataProvider& bytes, cv::Size size) {
   return picture;
 }
 
+/// A disparity image from few bytes: the slope of a ground, one disparity, or odd numbers over and over.
+cv::Mat1f make_disparity(FuzzedDataProvider& bytes, cv::Size size) {
+  constexpr std::array kOdd = {0.0F,
+                               -1.0F,
+                               1e-30F,
+                               0.01F,
+                               0.5F,
+                               30.0F,
+                               31.0F,
+                               60.0F,
+                               1e4F,
+                               3e38F,
+                               std::numeric_limits<float>::infinity(),
+                               std::numeric_limits<float>::quiet_NaN()};
+  const float slope = bytes.ConsumeFloatingPointInRange(-0.5F, 1.5F);
+  const float offset = bytes.ConsumeFloatingPointInRange(-20.0F, 80.0F);
+  cv::Mat1f disparity(size);
+  for (int v = 0; v < size.height; ++v) disparity.row(v) = offset + slope * static_cast<float>(v);
+  for (int patches = bytes.ConsumeIntegralInRange(0, 3); patches > 0; --patches) {
+    const cv::Rect patch(bytes.ConsumeIntegralInRange(0, 150), bytes.ConsumeIntegralInRange(0, 110),
+                         bytes.ConsumeIntegralInRange(1, 160), bytes.ConsumeIntegralInRange(1, 120));
+    disparity(patch & cv::Rect(cv::Point(), size)) = kOdd[bytes.ConsumeIntegralInRange<std::size_t>(0, kOdd.size() - 1)];
+  }
+  return disparity;
+}
+
 /// The right picture: another one, or the left one moved by a disparity that grows downwards, as the ground's does.
 cv::Mat1b make_right(FuzzedDataProvider& bytes, const cv::Mat1b& left) {
   if (bytes.ConsumeBool()) return make_picture(bytes, left.size());
@@ -80,10 +106,14 @@ brink::DetectorParams make_params(FuzzedDataProvider& bytes) {
 std::optional<Frame> make_frame(FuzzedDataProvider& bytes, cv::Size size, const brink::StereoCamera& camera, int index,
                                 double time) {
   const cv::Mat1b left = make_picture(bytes, size);
-  const cv::Mat1b right = make_right(bytes, left);
-  auto frame = brink::fuzz::result_of([&] { return brink::make_frame(left, right, camera, index, time); });
+  auto frame = brink::fuzz::result_of([&] {
+    if (bytes.ConsumeIntegralInRange(0, 3) > 0) return brink::make_frame(left, make_right(bytes, left), camera, index, time);
+    const cv::Mat1b picture = bytes.ConsumeBool() ? left : cv::Mat1b();
+    return brink::make_frame_with_disparity(picture, make_disparity(bytes, size), camera, index, time);
+  });
   if (!frame) return frame;
-  if (bytes.ConsumeIntegralInRange(0, 3) == 0) frame->left_color = cv::Mat3b(size, cv::Vec3b(left(0, 0), 0, 255));
+  const bool colored = bytes.ConsumeIntegralInRange(0, 3) == 0;
+  if (colored && !frame->left.empty()) frame->left_color = cv::Mat3b(size, cv::Vec3b(left(0, 0), 0, 255));
   if (bytes.ConsumeIntegralInRange(0, 3) == 0) {
     frame->gravity = Eigen::Vector3d(bytes.ConsumeFloatingPointInRange(-1.0, 1.0), 1.0, 0.3).normalized();
     const double turn = bytes.ConsumeFloatingPointInRange(-0.3, 0.3);
