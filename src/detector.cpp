@@ -122,12 +122,9 @@ Detection Detector::process(const Frame& frame) {
   detection.ground = estimate_ground(detection.disparity, frame.camera, params_.ground, frame.gravity);
   mistrust_exchanged_eyes(frame, params_.ego_motion, detection.ground);
   if (detection.ground.plane) {
-    const GroundPlane& ground = *detection.ground.plane;
+    GroundSurface ground = make_flat_surface(*detection.ground.plane, frame.camera, detection.ground.residual_px);
+    if (params_.ground.follow) ground = follow_ground(detection.disparity, ground, frame.camera, params_.ground);
     detection.elevation = compute_elevation(detection.disparity, ground, frame.camera);
-    if (params_.ground.follow) {
-      detection.elevation =
-          follow_ground(detection.elevation, detection.disparity, detection.ground.pose, frame.camera, params_.ground);
-    }
     detection.times.ground = stage.lap_ms();
 
     // III.C.3 Candidates: Type 1, then Type 2, for which there must be a picture

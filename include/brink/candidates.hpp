@@ -26,10 +26,12 @@ struct CandidateParams {
   double rim_depth_ratio = 0.4;      ///< Type 1 is drawn out to where the surface is this share of min_depth_m down; 1 = not
   double min_slope_deg = 10.0;       ///< Type 1: a quarter of its rim must be steeper than a slope that people walk; 0 = any
   double max_share_beyond = 0.5;  ///< Type 1: at most this share of it may lie beyond its far rim, as mirrors show it; 1 = all
-  double min_ground_misfit = 0.08;     ///< Type 1: the ground must explain the pictures worse by this share; 0 = no test
-  double max_share_standing = 0.5;     ///< Type 2: at most this share of its border may stand above the ground; 1 = no test
-  int touching_gap_px = 12;            ///< pixels without disparity between a region and what it touches, at most
-  double disparity_sd_px = 0.3;        ///< standard deviation of a disparity
+  double max_roughness = 2.0;     ///< Type 1: its disparities may scatter this many times as much as the ground's; 0 = any
+  double max_agreement = 0.85;    ///< ... unless both pictures agree about it better than by this correlation
+  double min_ground_misfit = 0.08;  ///< Type 1: the ground must explain the pictures worse by this share; 0 = no test
+  double max_share_standing = 0.5;  ///< Type 2: at most this share of its border may stand above the ground; 1 = no test
+  int touching_gap_px = 12;         ///< pixels without disparity between a region and what it touches, at most
+  double min_sigmas = 6.0;          ///< Type 1 lies this many standard deviations of a single pixel below the ground; 0 = any
   int below_ground_min_area_px = 150;  ///< T_a1: area must be greater
   int no_disparity_min_area_px = 150;  ///< T_a2: area must be greater
   int min_touching_px = 5;             ///< pixels of the other kind in the 1-px ring that count as touching
@@ -38,16 +40,16 @@ struct CandidateParams {
   double max_range_m = 8.0;     ///< candidates are looked for up to this distance in the ground plane
   int min_listed_area_px = 30;  ///< smaller regions are specks: not even listed as rejected
 
-  /// Without what brink adds: rim_depth_ratio 1, min_slope_deg 0, max_share_beyond 1, min_ground_misfit 0,
-  /// max_share_standing 1, touching_gap_px 0, border_px 0.
+  /// Without what brink adds: rim_depth_ratio 1, min_slope_deg 0, min_sigmas 0, max_share_beyond 1,
+  /// max_roughness 0, min_ground_misfit 0, max_share_standing 1, touching_gap_px 0, border_px 0.
   static CandidateParams paper();
   void validate() const;  ///< @throws std::invalid_argument "candidates.name = value, must be ..."
 };
 
 /// The rule that a region failed, with its value and its limit. All in the unit that the rule's parameter has.
 struct Rejection {
-  std::string rule;  ///< "area", "touches_valid", "touches_ground", "slope", "beyond_rim", "like_ground", "black", "standing",
-                     ///< "contour"
+  std::string rule;  ///< "area", "touches_valid", "touches_ground", "slope", "beyond_rim", "rough", "like_ground", "black",
+                     ///< "standing", "contour"
   double value = 0.0;
   double limit = 0.0;
 };
@@ -61,6 +63,7 @@ struct Candidate {
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();     ///< mean of contour_3d
   Eigen::Vector3d nearest = Eigen::Vector3d::Zero();      ///< point of contour_3d nearest to the camera (the paper's output)
   Eigen::Vector3d rim_nearest = Eigen::Vector3d::Zero();  ///< nearest point of the edge on the ground's side
+  std::vector<Eigen::Vector3d> rim;                       ///< the rim, where the rays of the outline meet the ground
   double distance_m = 0.0;                                ///< of rim_nearest, in the ground plane
   double bearing_deg = 0.0;                               ///< of rim_nearest, positive right
   std::optional<double> depth_m;                          ///< below the ground, > 0; empty for Type 2: its bottom is not seen
@@ -70,16 +73,16 @@ struct Candidate {
 };
 
 /// Section III.C.3, Type 1: 8-connected regions of valid pixels with elevation <= -min_depth_m, drawn out to their rim.
-/// @param elevation from compute_elevation or follow_ground, m, NaN = none. @param disparity px. Both of frame.size().
+/// @param elevation over the ground, m, NaN = none. @param disparity px. Both of frame.size().
 /// @return accepted and rejected regions, in the order of their first pixel row by row; empty when there is none.
 /// @throws std::invalid_argument when sizes differ or parameters are not valid.
 std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
-                                           const GroundPlane& ground, const CandidateParams& params = {});
+                                           const GroundSurface& ground, const CandidateParams& params = {});
 
 /// Section III.C.3, Type 2: 8-connected regions of invalid pixels below the ground's horizon and within range, where both
 /// cameras see the ground, black. Arguments, order and errors as for select_below_ground; none without a left picture, as
 /// black cannot be told.
 std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
-                                           const GroundPlane& ground, const CandidateParams& params = {});
+                                           const GroundSurface& ground, const CandidateParams& params = {});
 
 }  // namespace brink

@@ -59,7 +59,7 @@ struct GroundParams {
   double min_pitch_deg = -10.0;         ///< looking up
   double max_pitch_deg = 60.0;          ///< looking down
   double max_roll_deg = 25.0;           ///< to either side
-  double gravity_tolerance_deg = 10.0;  ///< slope of the ground against gravity, where gravity is known
+  double gravity_tolerance_deg = 20.0;  ///< slope of the ground and error of gravity, where gravity is known
   double max_range_m = 8.0;             ///< ground farther away than this takes no part
   double tolerance_ratio = 0.02;        ///< roughness: half width of the band counted as ground, share of the camera height
   double tolerance_px = 0.75;           ///< noise of disparities: that band is never narrower than this
@@ -72,6 +72,7 @@ struct GroundParams {
   double follow_cell_m = 0.2;           ///< the surface is followed in square cells of this size
   double follow_reach_m = 0.8;          ///< the slope must hold towards all of it that is this near
   double follow_extent_m = 1.0;         ///< smaller bends are none: shallow holes
+  double follow_step_m = 0.06;          ///< nor is what begins with a higher step and is hardly higher beyond: kerbs
   static GroundParams paper();          ///< without what brink adds: follow false
   void validate() const;                ///< @throws std::invalid_argument "ground.name = value, must be ..."
 };
@@ -103,13 +104,34 @@ GroundEstimate estimate_ground(const cv::Mat1f& disparity, const StereoCamera& c
 /// or 0.
 cv::Mat1f compute_elevation(const cv::Mat1f& disparity, const GroundPlane& ground, const StereoCamera& camera);
 
-/// Elevation over the ground's own surface instead of its plane: from where it lies on the plane the ground is followed, seen
-/// from above, over slopes that people walk. A drop is steeper than these, also where it is seen along its own ray only, and
-/// stays what it is. Where nothing was followed, the nearest followed place tells the height of the ground.
-/// @param elevation over the plane, m, NaN = none. @param disparity px, of the same size. @param pose of the plane.
-/// @return elevation over the followed ground, m, NaN where elevation is. @throws std::invalid_argument when the sizes differ
-/// or parameters are not valid.
-cv::Mat1f follow_ground(const cv::Mat1f& elevation, const cv::Mat1f& disparity, const GroundPose& pose,
-                        const StereoCamera& camera, const GroundParams& params = {});
+/// The surface of the ground: its plane and, seen from above, how far the ground lies over or under it.
+struct GroundSurface {
+  GroundPlane plane;
+  GroundPose pose;               ///< of the plane
+  double disparity_sd_px = 0.0;  ///< noise of the disparities on it, GroundEstimate::residual_px
+  double cell_m = 0.0;           ///< side of the cells of relief_m; without meaning when that is empty
+  /// Height of the ground over the plane in square cells, m: rows go from the camera's foot along pose.forward, columns along
+  /// pose.right, the foot in their middle. Outside, the nearest cell counts. Empty = the plane everywhere.
+  cv::Mat1f relief_m;
+
+  /// Height of the ground over the plane below or above a point, m.
+  [[nodiscard]] double relief(const Eigen::Vector3d& point) const;
+  /// Where the ray through a pixel first meets the surface; empty at and above the plane's horizon.
+  [[nodiscard]] std::optional<Eigen::Vector3d> intersect(double u, double v, const StereoCamera& camera) const;
+};
+
+/// A plane as a surface. @throws as compute_ground_pose.
+GroundSurface make_flat_surface(const GroundPlane& plane, const StereoCamera& camera, double disparity_sd_px);
+
+/// The ground's own surface instead of its plane: from where it lies on the plane it is followed, seen from above, over slopes
+/// that people walk. A drop is steeper than these, also where it is seen along its own ray only, and stays what it is. Where
+/// nothing was followed, the nearest followed place tells the height of the ground.
+/// @param disparity px, kInvalidDisparity where there is none. @param flat from make_flat_surface.
+/// @throws std::invalid_argument when parameters are not valid.
+GroundSurface follow_ground(const cv::Mat1f& disparity, const GroundSurface& flat, const StereoCamera& camera,
+                            const GroundParams& params = {});
+
+/// Height of every valid pixel over the surface, m, up positive; NaN where the disparity is invalid or 0.
+cv::Mat1f compute_elevation(const cv::Mat1f& disparity, const GroundSurface& ground, const StereoCamera& camera);
 
 }  // namespace brink

@@ -82,7 +82,7 @@ class Sequence {
 /// @throws std::runtime_error "file: line n ..." when a line is not that or times do not increase.
 std::vector<ImuSample> read_imu(const std::string& path);
 
-/// Direction of gravity in the left camera frame: against the mean specific force of the second before a time, each
+/// Direction of gravity in the left camera frame: against the mean specific force of up to 3 s before a time, each
 /// reading turned into the last one's frame by the gyroscope.
 /// @param samples ascending in time. @return unit vector; empty with too few readings, or when their mean is not near 9.81
 /// m/s^2.

@@ -13,12 +13,12 @@ namespace brink {
 
 struct TrackingParams {
   double association_radius_m = 0.5;  ///< a candidate is the same as one whose place was this near a frame ago
-  bool associate_rims = true;         ///< places are compared by the nearest point of the rim, too, not by the centroid only
-  double max_unseen_s = 0.2;          ///< a track that is not seen lives on for this long; 0 = it ends with the first frame
-  double validation_s = 1.0 / 3.0;    ///< a candidate is validated when it was seen for this long: 5 frames at 15 fps
-  int min_sightings = 3;              ///< ... but never before it was seen so often
-  static TrackingParams paper();      ///< without what brink adds: associate_rims false, max_unseen_s 0
-  void validate() const;              ///< @throws std::invalid_argument "tracking.name = value, must be ..."
+  bool associate_rims = true;       ///< places are compared by the nearest point of the rim, too, and by where openings overlap
+  double max_unseen_s = 0.2;        ///< a track that is not seen lives on for this long; 0 = it ends with the first frame
+  double validation_s = 1.0 / 3.0;  ///< a candidate is validated when it was seen for this long: 5 frames at 15 fps
+  int min_sightings = 3;            ///< ... but never before it was seen so often
+  static TrackingParams paper();    ///< without what brink adds: associate_rims false, max_unseen_s 0
+  void validate() const;            ///< @throws std::invalid_argument "tracking.name = value, must be ..."
 };
 
 /// A candidate that is followed from frame to frame.
@@ -36,8 +36,9 @@ class Tracker {
   explicit Tracker(const TrackingParams& params = {});
 
   /// The tracks of this frame, one for each candidate, in their order. What the last frames' tracks remember is moved by the
-  /// camera's motion; each candidate goes on with the nearest one within association_radius_m, whatever its type. Several may
-  /// go on with one, as regions split: the nearest keeps its id.
+  /// camera's motion; each candidate goes on with the nearest one within association_radius_m, whatever its type; with
+  /// associate_rims also one over which half of its rim lies in view, or the other way round, is as near as none can be
+  /// farther. Several may go on with one, as regions split: the nearest keeps its id.
   /// @param candidates of this frame, positions in its left camera frame, m; empty = nothing was found.
   /// @param current_from_previous left camera frames of the last call and of this one; empty when the motion is not known: then
   ///        all tracks end, and every candidate begins anew.
@@ -61,7 +62,8 @@ class Tracker {
     int id = 0;
     int length = 0;
     Eigen::Vector3d centroid;
-    Eigen::Vector3d rim;
+    Eigen::Vector3d rim_nearest;
+    std::vector<Eigen::Vector3d> rim;
     double seen = 0.0;  ///< s, last time
   };
 

@@ -8,15 +8,18 @@
 #include <fmt/format.h>
 
 #include "brink/disparity.hpp"
+#include "candidates/agreement.hpp"
 #include "candidates/far_rim.hpp"
 #include "candidates/ground_hypothesis.hpp"
 #include "candidates/region.hpp"
 #include "candidates/rim_slope.hpp"
+#include "candidates/roughness.hpp"
 
 namespace brink {
 namespace {
 
 constexpr float kLeastDisparity = 1.0F;  // the paper: a disparity below 1 is none
+constexpr double kLeastNoisePx = 0.1;    // of disparities: given ones may have none
 constexpr double kDepthQuantile = 0.9;   // the deepest tenth is noise as often as it is depth
 
 void check_sizes(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation) {
@@ -97,14 +100,15 @@ void measure_contour(Candidate& candidate, const cv::Mat1f& disparity, const Ste
   candidate.nearest = *std::ranges::min_element(candidate.contour_3d, {}, [](const auto& point) { return point.norm(); });
 }
 
-/// The opening in the ground. The region is seen through it, so the rays through the region's outline meet the ground plane at
-/// the rim: no disparity of a depth edge, where matching is worst, takes part.
-void measure_rim(Candidate& candidate, const std::vector<cv::Point>& outline, const GroundPose& pose,
+/// The opening in the ground. The region is seen through it, so the rays through the region's outline meet the ground at the
+/// rim: no disparity of a depth edge, where matching is worst, takes part.
+void measure_rim(Candidate& candidate, const std::vector<cv::Point>& outline, const GroundSurface& ground,
                  const StereoCamera& camera) {
-  std::vector<Eigen::Vector3d> rim;
+  const GroundPose& pose = ground.pose;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d>& rim = candidate.rim;
   for (const cv::Point& p : outline) {
-    if (const auto point = pose.intersect(p.x, p.y, camera)) {
+    if (const auto point = ground.intersect(p.x, p.y, camera)) {
       rim.push_back(*point);
       middle += *point;
     }
@@ -154,7 +158,7 @@ void require(Candidate& candidate, const char* rule, bool passed, double value, 
 
 /// Everything about one region that does not depend on its type.
 Candidate measure(const Frame& frame, const Region& region, CandidateType type, const cv::Mat1f& disparity,
-                  const GroundPose& pose) {
+                  const GroundSurface& ground) {
   Candidate candidate;
   candidate.type = type;
   candidate.area_px = region.area_px;
@@ -162,7 +166,7 @@ Candidate measure(const Frame& frame, const Region& region, CandidateType type, 
   candidate.contour = type == CandidateType::no_disparity ? outline : trace_contour(region.mask, region.box);
   candidate.mean_color = compute_mean_color(frame, region);
   measure_contour(candidate, disparity, frame.camera);
-  measure_rim(candidate, outline, pose, frame.camera);
+  measure_rim(candidate, outline, ground, frame.camera);
   return candidate;
 }
 
@@ -174,7 +178,9 @@ CandidateParams CandidateParams::paper() {
   CandidateParams params;
   params.rim_depth_ratio = 1.0;
   params.min_slope_deg = 0.0;
+  params.min_sigmas = 0.0;
   params.max_share_beyond = 1.0;
+  params.max_roughness = 0.0;
   params.min_ground_misfit = 0.0;
   params.max_share_standing = 1.0;
   params.touching_gap_px = 0;
@@ -192,10 +198,12 @@ void CandidateParams::validate() const {
   require_param(rim_depth_ratio > 0.0 && rim_depth_ratio <= 1.0, "rim_depth_ratio", rim_depth_ratio, "above 0 to 1");
   require_param(min_slope_deg >= 0.0 && min_slope_deg < 90.0, "min_slope_deg", min_slope_deg, "0 to below 90");
   require_param(max_share_beyond >= 0.0 && max_share_beyond <= 1.0, "max_share_beyond", max_share_beyond, "0 to 1");
+  require_param(max_roughness >= 0.0 && max_roughness <= 1000.0, "max_roughness", max_roughness, "0 to 1000");
+  require_param(max_agreement >= -1.0 && max_agreement <= 1.0, "max_agreement", max_agreement, "-1 to 1");
   require_param(min_ground_misfit >= 0.0 && min_ground_misfit <= 1.0, "min_ground_misfit", min_ground_misfit, "0 to 1");
   require_param(max_share_standing >= 0.0 && max_share_standing <= 1.0, "max_share_standing", max_share_standing, "0 to 1");
   require_param(touching_gap_px >= 0 && touching_gap_px <= 1000, "touching_gap_px", touching_gap_px, "0 to 1000");
-  require_param(disparity_sd_px > 0.0 && disparity_sd_px <= 10.0, "disparity_sd_px", disparity_sd_px, "above 0 to 10");
+  require_param(min_sigmas >= 0.0 && min_sigmas <= 1000.0, "min_sigmas", min_sigmas, "0 to 1000");
   require_param(below_ground_min_area_px >= 0, "below_ground_min_area_px", below_ground_min_area_px, "0 or more");
   require_param(no_disparity_min_area_px >= 0, "no_disparity_min_area_px", no_disparity_min_area_px, "0 or more");
   require_param(min_touching_px >= 0, "min_touching_px", min_touching_px, "0 or more");
@@ -206,24 +214,26 @@ void CandidateParams::validate() const {
 }
 
 std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
-                                           const GroundPlane& ground, const CandidateParams& params) {
+                                           const GroundSurface& ground, const CandidateParams& params) {
   check_sizes(frame, disparity, elevation);
   params.validate();
-  const GroundPose pose = compute_ground_pose(ground, frame.camera);
+  const GroundPose& pose = ground.pose;
   const cv::Mat1b range = compute_range_mask(elevation.size(), pose, frame.camera, params.max_range_m);
   const cv::Mat1b none(disparity < kLeastDisparity);
   const cv::Mat1b valid(~none);
-  const cv::Mat1b deep((elevation <= -params.min_depth_m) & valid & range);
-  const cv::Mat1b low((elevation <= -params.min_depth_m * params.rim_depth_ratio) & valid & range);
-  const cv::Mat1b level((elevation > -params.min_depth_m * params.rim_depth_ratio) & valid &
-                        (elevation < params.ground_tolerance_m));
+  // On one ray an elevation is h (1 - d_ground / d), so its standard deviation is h / d times that of d.
+  const double noise_px_m = params.min_sigmas * ground.disparity_sd_px * pose.height_m;
+  const cv::Mat1f depth_wanted(cv::max(noise_px_m / cv::max(disparity, kLeastDisparity), params.min_depth_m));
+  const cv::Mat1b deep((elevation <= -depth_wanted) & valid & range);
+  const cv::Mat1b low((elevation <= -params.rim_depth_ratio * depth_wanted) & valid & range);
+  const cv::Mat1b level((elevation > -params.rim_depth_ratio * depth_wanted) & valid & (elevation < params.ground_tolerance_m));
 
   std::vector<Candidate> candidates;
   for (const Region& region : find_regions(low, params.min_listed_area_px)) {
     const cv::Mat1b deep_here = select_common(region, deep);
     const int deep_px = cv::countNonZero(deep_here);
     if (deep_px < params.min_listed_area_px) continue;
-    Candidate candidate = measure(frame, region, CandidateType::below_ground, disparity, pose);
+    Candidate candidate = measure(frame, region, CandidateType::below_ground, disparity, ground);
     candidate.depth_m = compute_depth(region, elevation);
     const Touching touching = count_touching(region, none, disparity, elevation, params);
     require(candidate, "area", deep_px > params.below_ground_min_area_px, deep_px, params.below_ground_min_area_px);
@@ -233,8 +243,14 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
       require(candidate, "slope", slope_deg >= params.min_slope_deg, slope_deg, params.min_slope_deg);
     }
     if (params.max_share_beyond < 1.0) {
-      const double beyond = compute_share_beyond_rim(region, level, disparity, frame.camera, pose, params.disparity_sd_px);
+      const double beyond = compute_share_beyond_rim(region, level, disparity, frame.camera, pose, ground.disparity_sd_px);
       require(candidate, "beyond_rim", beyond <= params.max_share_beyond, beyond, params.max_share_beyond);
+    }
+    if (params.max_roughness > 0.0) {
+      const double roughness = compute_roughness_px(deep_here, disparity) / std::max(kLeastNoisePx, ground.disparity_sd_px);
+      const bool rough =
+          roughness > params.max_roughness && compute_agreement(frame, deep_here, disparity) < params.max_agreement;
+      require(candidate, "rough", !rough, roughness, params.max_roughness);
     }
     if (params.min_ground_misfit > 0.0) {
       const double misfit = compute_ground_misfit(frame, deep_here, disparity, elevation, pose);
@@ -246,19 +262,19 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
 }
 
 std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
-                                           const GroundPlane& ground, const CandidateParams& params) {
+                                           const GroundSurface& ground, const CandidateParams& params) {
   check_sizes(frame, disparity, elevation);
   params.validate();
   if (frame.left.empty()) return {};
-  const GroundPose pose = compute_ground_pose(ground, frame.camera);
+  const GroundPose& pose = ground.pose;
   const cv::Mat1b range = compute_range_mask(elevation.size(), pose, frame.camera, params.max_range_m);
-  const cv::Mat1b overlap = compute_overlap_mask(elevation.size(), ground, params.border_px);
+  const cv::Mat1b overlap = compute_overlap_mask(elevation.size(), ground.plane, params.border_px);
   const cv::Mat1b none(disparity < kLeastDisparity);
   const cv::Mat1b mask(none & range & overlap);
 
   std::vector<Candidate> candidates;
   for (const Region& region : find_regions(mask, params.min_listed_area_px)) {
-    Candidate candidate = measure(frame, region, CandidateType::no_disparity, disparity, pose);
+    Candidate candidate = measure(frame, region, CandidateType::no_disparity, disparity, ground);
     const Touching touching = count_touching(region, none, disparity, elevation, params);
     const int surface = touching.ground + touching.below_ground;
     const double brightest = std::max({candidate.mean_color[0], candidate.mean_color[1], candidate.mean_color[2]});

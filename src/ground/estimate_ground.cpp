@@ -199,6 +199,7 @@ void GroundParams::validate() const {
   require(follow_slope_deg > 0.0 && follow_slope_deg <= 45.0, "follow_slope_deg", follow_slope_deg, "above 0 to 45");
   require(follow_cell_m >= 0.05 && follow_cell_m <= 2.0, "follow_cell_m", follow_cell_m, "0.05 to 2");
   require(follow_reach_m > 0.0 && follow_reach_m <= 5.0, "follow_reach_m", follow_reach_m, "above 0 to 5");
+  require(follow_step_m > 0.0 && follow_step_m <= 10.0, "follow_step_m", follow_step_m, "above 0 to 10");
   require(follow_extent_m >= 0.0 && follow_extent_m <= 100.0, "follow_extent_m", follow_extent_m, "0 to 100");
   require(seed >= 0, "seed", seed, "0 or more");
   require(seen_confidence > 0.0 && seen_confidence <= 1.0, "seen_confidence", seen_confidence, "above 0 to 1");

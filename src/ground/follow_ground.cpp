@@ -3,10 +3,8 @@
 #include <limits>
 #include <numbers>
 #include <queue>
-#include <stdexcept>
 #include <vector>
 
-#include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
 #include "brink/ground.hpp"
@@ -16,10 +14,11 @@ namespace {
 
 constexpr double kHighest = 1.0;  // m above or below the plane: farther from it no surface is looked at
 constexpr int kLeastPoints = 4;   // in a cell
-constexpr double kNoisePx = 0.3;  // of a cell's median disparity: its pixels err together
+constexpr double kSigmas = 2.0;   // of a cell's median: its pixels err together
 constexpr double kNearlyAll = 0.8;
-constexpr double kEnclosed = 0.7;    // share of the cells around
-constexpr double kAgreement = 0.04;  // m: this near to the plane a surface is on it
+constexpr double kEnclosed = 0.7;       // share of the cells around
+constexpr double kFromTheStart = 0.65;  // share of its height that a kerb has where it begins
+constexpr double kAgreement = 0.04;     // m: this near to the plane a surface is on it
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 /// The ground seen from above in square cells: x along GroundPose::right, y along GroundPose::forward, m.
@@ -51,22 +50,25 @@ Grid make_grid(const GroundParams& params) {
   return grid;
 }
 
-Cells collect(const cv::Mat1f& elevation, const cv::Mat1f& disparity, const Grid& grid, const GroundPose& pose,
-              const StereoCamera& camera, int step) {
+Cells collect(const cv::Mat1f& disparity, const Grid& grid, const GroundSurface& flat, const StereoCamera& camera, int step) {
+  const GroundPose& pose = flat.pose;
   std::vector<std::vector<float>> heights(static_cast<std::size_t>(grid.size.area()));
   const auto index = [&grid](int row, int column) {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.size.width) + static_cast<std::size_t>(column);
   };
   Cells cells{cv::Mat1f(grid.size, kUnknown), cv::Mat1f(grid.size, 0.0F), cv::Mat1f(grid.size, 0.0F)};
-  for (int v = step / 2; v < elevation.rows; v += step) {
-    for (int u = step / 2; u < elevation.cols; u += step) {
-      if (!(std::abs(elevation(v, u)) < kHighest)) continue;
+  for (int v = step / 2; v < disparity.rows; v += step) {
+    for (int u = step / 2; u < disparity.cols; u += step) {
       const double d = disparity(v, u);
-      const cv::Point2d place = grid.place(camera.triangulate(u, v, d), pose);
+      if (!(d > 0.0)) continue;
+      const Eigen::Vector3d point = camera.triangulate(u, v, d);
+      const double elevation = pose.elevation(point);
+      if (std::abs(elevation) >= kHighest) continue;
+      const cv::Point2d place = grid.place(point, pose);
       const cv::Point cell(cvRound(place.x), cvRound(place.y));
       if (!grid.contains(cell)) continue;
-      heights[index(cell.y, cell.x)].push_back(elevation(v, u));
-      cells.noise(cell) = static_cast<float>(kNoisePx * pose.height_m / d);
+      heights[index(cell.y, cell.x)].push_back(static_cast<float>(elevation));
+      cells.noise(cell) = static_cast<float>(kSigmas * flat.disparity_sd_px * pose.height_m / d);
     }
   }
   for (int row = 0; row < grid.size.height; ++row) {
@@ -141,19 +143,57 @@ double share_on_plane(const cv::Mat1b& part, const cv::Mat1b& on_plane) {
   return static_cast<double>(cv::countNonZero(ring & on_plane)) / cv::countNonZero(ring);
 }
 
-/// Takes back what is no bend of the ground: what is off the plane over a small extent only, or with the plane all around it.
-/// That is a dent, however gentle; a ramp goes on to where the view ends.
-void drop_dents(cv::Mat1b& followed, const Cells& cells, const Grid& grid, const GroundParams& params) {
+/// The line through a part's heights over their distance from the plane's edge: how high it is at that edge, and on average.
+/// A ramp begins with a bend, near 0; a kerb has most of its height from the start, also where a matcher smoothed its step.
+struct Profile {
+  double start_m = 0.0;
+  double mean_m = 0.0;
+};
+
+Profile compute_profile(const cv::Mat1b& part, const cv::Mat1f& cells_from_plane, const Cells& cells, const Grid& grid) {
+  constexpr double kNear = 1.5;  // m from the plane's edge
+  double n = 0.0;
+  double sum_x = 0.0;
+  double sum_y = 0.0;
+  double sum_xx = 0.0;
+  double sum_xy = 0.0;
+  for (int row = 0; row < part.rows; ++row) {
+    for (int column = 0; column < part.cols; ++column) {
+      const double x = grid.cell_m * cells_from_plane(row, column);
+      if (part(row, column) == 0 || x > kNear) continue;
+      const double y = cells.height(row, column);
+      n += 1.0;
+      sum_x += x;
+      sum_y += y;
+      sum_xx += x * x;
+      sum_xy += x * y;
+    }
+  }
+  const double spread = n * sum_xx - sum_x * sum_x;
+  if (n == 0.0) return {};
+  if (spread < 1e-9 * n * n) return {sum_y / n, sum_y / n};
+  return {(sum_y * sum_xx - sum_x * sum_xy) / spread, sum_y / n};
+}
+
+/// Takes back what is no bend of the ground: what is off the plane over a small extent only, or with the plane all around it,
+/// which is a dent, however gentle (a ramp goes on to where the view ends); and what begins with a step.
+void drop_what_is_no_bend(cv::Mat1b& followed, const Cells& cells, const Grid& grid, const GroundParams& params) {
   const cv::Mat1b on_plane((cv::abs(cells.height) <= kAgreement) & followed);
-  const cv::Mat1b off(followed & ~on_plane);
-  cv::Mat1i labels;
-  cv::Mat1i stats;
-  cv::Mat1d centroids;
-  const int count = cv::connectedComponentsWithStats(off, labels, stats, centroids, 8, CV_32S);
-  for (int label = 1; label < count; ++label) {
-    const int extent = std::min(stats(label, cv::CC_STAT_WIDTH), stats(label, cv::CC_STAT_HEIGHT));
-    const cv::Mat1b part(labels == label);
-    if (extent * grid.cell_m < params.follow_extent_m || share_on_plane(part, on_plane) > kEnclosed) followed.setTo(0, part);
+  cv::Mat1f cells_from_plane;
+  cv::distanceTransform(~on_plane, cells_from_plane, cv::DIST_L2, cv::DIST_MASK_5);
+  for (const cv::Mat1b& side : {cv::Mat1b(cells.height < -kAgreement), cv::Mat1b(cells.height > kAgreement)}) {
+    cv::Mat1i labels;
+    cv::Mat1i stats;
+    cv::Mat1d centroids;
+    const int count = cv::connectedComponentsWithStats(side & followed, labels, stats, centroids, 8, CV_32S);
+    for (int label = 1; label < count; ++label) {
+      const int extent = std::min(stats(label, cv::CC_STAT_WIDTH), stats(label, cv::CC_STAT_HEIGHT));
+      const cv::Mat1b part(labels == label);
+      const bool dent = extent * grid.cell_m < params.follow_extent_m || share_on_plane(part, on_plane) > kEnclosed;
+      const Profile profile = compute_profile(part, cells_from_plane, cells, grid);
+      const bool step = std::abs(profile.start_m) > std::max(params.follow_step_m, kFromTheStart * std::abs(profile.mean_m));
+      if (dent || step) followed.setTo(0, part);
+    }
   }
 }
 
@@ -182,42 +222,22 @@ cv::Mat1f spread(const cv::Mat1b& followed, const Cells& cells) {
   return surface;
 }
 
-float sample(const cv::Mat1f& surface, const cv::Point2d& place) {
-  const double x = std::clamp(place.x, 0.0, surface.cols - 1.001);
-  const double y = std::clamp(place.y, 0.0, surface.rows - 1.001);
-  const int column = static_cast<int>(x);
-  const int row = static_cast<int>(y);
-  const auto right = static_cast<float>(x - column);
-  const auto down = static_cast<float>(y - row);
-  return (1.0F - down) * ((1.0F - right) * surface(row, column) + right * surface(row, column + 1)) +
-         down * ((1.0F - right) * surface(row + 1, column) + right * surface(row + 1, column + 1));
-}
-
 }  // namespace
 
-cv::Mat1f follow_ground(const cv::Mat1f& elevation, const cv::Mat1f& disparity, const GroundPose& pose,
-                        const StereoCamera& camera, const GroundParams& params) {
-  if (elevation.size() != disparity.size()) {
-    throw std::invalid_argument(fmt::format("sizes differ: elevation {}x{}, disparity {}x{}", elevation.cols, elevation.rows,
-                                            disparity.cols, disparity.rows));
-  }
+GroundSurface follow_ground(const cv::Mat1f& disparity, const GroundSurface& flat, const StereoCamera& camera,
+                            const GroundParams& params) {
   params.validate();
   constexpr double kTargetSamples = 120000.0;
   const int step =
-      std::max(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(elevation.total()) / kTargetSamples))));
+      std::max(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(disparity.total()) / kTargetSamples))));
   const Grid grid = make_grid(params);
-  const Cells cells = collect(elevation, disparity, grid, pose, camera, step);
+  const Cells cells = collect(disparity, grid, flat, camera, step);
   cv::Mat1b followed = follow(cells, grid, params);
-  drop_dents(followed, cells, grid, params);
-  const cv::Mat1f surface = spread(followed, cells);
-  cv::Mat1f over_ground(elevation.size(), kUnknown);
-  for (int v = 0; v < elevation.rows; ++v) {
-    for (int u = 0; u < elevation.cols; ++u) {
-      if (std::isnan(elevation(v, u))) continue;
-      over_ground(v, u) = elevation(v, u) - sample(surface, grid.place(camera.triangulate(u, v, disparity(v, u)), pose));
-    }
-  }
-  return over_ground;
+  drop_what_is_no_bend(followed, cells, grid, params);
+  GroundSurface surface = flat;
+  surface.cell_m = grid.cell_m;
+  surface.relief_m = spread(followed, cells);
+  return surface;
 }
 
 }  // namespace brink

@@ -15,7 +15,7 @@
 namespace brink {
 namespace {
 
-constexpr double kGravityWindow = 1.0;  // s: two steps, over which the accelerations of a walk cancel
+constexpr double kGravityWindow = 3.0;  // s: steps cancel in one; a turn of 1.7 m/s^2 for a second weighs less in three
 constexpr std::size_t kFewestSamples = 20;
 constexpr double kLongestGap = 0.1;        // s: a head turns by up to 10 degrees in this time
 constexpr double kGravityTolerance = 1.5;  // m/s^2 that the mean may differ from gravity before it is not believed
@@ -68,7 +68,7 @@ std::optional<Eigen::Vector3d> estimate_gravity(const std::vector<ImuSample>& sa
   const auto first = std::ranges::lower_bound(samples, time - kGravityWindow, {}, &ImuSample::time);
   const auto last = std::ranges::upper_bound(samples, time, {}, &ImuSample::time);
   if (static_cast<std::size_t>(last - first) < kFewestSamples) return std::nullopt;
-  // The head turns within that second: each reading is brought into the frame of the last one by the gyroscope.
+  // The head turns within that time: each reading is brought into the frame of the last one by the gyroscope.
   Eigen::Matrix3d last_from_sample = Eigen::Matrix3d::Identity();
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (auto sample = last; sample-- != first;) {

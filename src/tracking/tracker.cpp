@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
 
 #include "brink/tracking.hpp"
 
@@ -11,6 +12,27 @@ namespace brink {
 namespace {
 
 constexpr std::size_t kRememberedSteps = 15;  // enough for a median that single late frames do not move
+
+/// An outline as the camera sees it, on the plane at z = 1; what is behind the camera is left out.
+std::vector<cv::Point2f> project(const std::vector<Eigen::Vector3d>& points) {
+  constexpr double kNear = 0.05;  // m
+  std::vector<cv::Point2f> outline;
+  for (const Eigen::Vector3d& p : points) {
+    if (p.z() > kNear) outline.emplace_back(static_cast<float>(p.x() / p.z()), static_cast<float>(p.y() / p.z()));
+  }
+  return outline;
+}
+
+/// Whether half of one outline lies within the other.
+bool overlap(const std::vector<cv::Point2f>& a, const std::vector<cv::Point2f>& b) {
+  const auto half_within = [](const std::vector<cv::Point2f>& points, const std::vector<cv::Point2f>& outline) {
+    if (points.empty() || outline.size() < 3) return false;
+    const auto within =
+        std::ranges::count_if(points, [&](const cv::Point2f& p) { return cv::pointPolygonTest(outline, p, false) >= 0.0; });
+    return 2 * within >= static_cast<std::ptrdiff_t>(points.size());
+  };
+  return half_within(a, b) || half_within(b, a);
+}
 
 /// A candidate of this frame going on with a track.
 struct Link {
@@ -57,15 +79,22 @@ std::vector<Track> Tracker::update(const std::vector<Candidate>& candidates,
   if (!current_from_previous) memories_.clear();
   for (Memory& memory : memories_) {
     memory.centroid = *current_from_previous * memory.centroid;
-    memory.rim = *current_from_previous * memory.rim;
+    memory.rim_nearest = *current_from_previous * memory.rim_nearest;
+    for (Eigen::Vector3d& point : memory.rim) point = *current_from_previous * point;
   }
 
   // The nearest within the radius; of equally near ones the first.
   const auto find_nearest = [this](const Candidate& candidate) {
     std::optional<Link> nearest;
+    const std::vector<cv::Point2f> outline = project(candidate.rim);
     for (std::size_t i = 0; i < memories_.size(); ++i) {
       double distance = (candidate.centroid - memories_[i].centroid).norm();
-      if (params_.associate_rims) distance = std::min(distance, (candidate.rim_nearest - memories_[i].rim).norm());
+      if (params_.associate_rims) {
+        distance = std::min(distance, (candidate.rim_nearest - memories_[i].rim_nearest).norm());
+        if (distance > params_.association_radius_m && overlap(outline, project(memories_[i].rim))) {
+          distance = params_.association_radius_m;
+        }
+      }
       if (distance <= params_.association_radius_m && (!nearest || distance < nearest->distance_m)) nearest = Link{i, distance};
     }
     return nearest;
@@ -100,7 +129,8 @@ void Tracker::remember(const std::vector<Track>& tracks, const std::map<std::siz
   std::vector<Memory> memories;
   memories.reserve(tracks.size() + memories_.size());
   for (const Track& track : tracks) {
-    memories.push_back({track.id, track.length, track.candidate.centroid, track.candidate.rim_nearest, time});
+    memories.push_back(
+        {track.id, track.length, track.candidate.centroid, track.candidate.rim_nearest, track.candidate.rim, time});
   }
   for (std::size_t i = 0; i < memories_.size(); ++i) {
     const bool young = time - memories_[i].seen <= params_.max_unseen_s + kTolerance;

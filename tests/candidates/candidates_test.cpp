@@ -9,7 +9,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "brink/disparity.hpp"
+#include "candidates/agreement.hpp"
 #include "candidates/region.hpp"
+#include "candidates/roughness.hpp"
 #include "synthetic_scene.hpp"
 
 namespace brink {
@@ -31,10 +33,10 @@ class Candidates : public testing::Test {
     frame_.left_color(box).setTo(color);
   }
   [[nodiscard]] std::vector<Candidate> below_ground() const {
-    return select_below_ground(frame_, disparity_, elevation_, plane_, params_);
+    return select_below_ground(frame_, disparity_, elevation_, make_flat_surface(plane_, camera_, noise_px_), params_);
   }
   [[nodiscard]] std::vector<Candidate> no_disparity() const {
-    return select_no_disparity(frame_, disparity_, elevation_, plane_, params_);
+    return select_no_disparity(frame_, disparity_, elevation_, make_flat_surface(plane_, camera_, noise_px_), params_);
   }
 
   StereoCamera camera_ = test::half_size_camera();
@@ -43,6 +45,7 @@ class Candidates : public testing::Test {
   cv::Mat1f elevation_;
   Frame frame_;
   CandidateParams params_;
+  double noise_px_ = 0.1;
 };
 
 TEST_F(Candidates, FlatGroundHasNone) {
@@ -303,6 +306,71 @@ TEST_F(Candidates, WhatTheGroundExplainsAsWellIsGround) {
   ASSERT_TRUE(below_ground()[0].rejection) << "the pictures show ground, whatever the disparities say";
   EXPECT_EQ(below_ground()[0].rejection->rule, "like_ground");
   EXPECT_LT(below_ground()[0].rejection->value, 0.05);
+}
+
+TEST_F(Candidates, NoiseHidesWhatIsShallowAndFar) {
+  const auto reported = [this](double distance, double depth) {
+    see({{distance, 20.0, -0.5, 0.5, depth}});
+    return std::ranges::any_of(below_ground(), [](const Candidate& candidate) { return !candidate.rejection; });
+  };
+  // h = 1.6 m, f b = 52.5: six standard deviations of 0.3 px are 13 cm at 2 m and 28 cm at 5 m.
+  noise_px_ = 0.3;
+  EXPECT_TRUE(reported(2.0, 0.18));
+  EXPECT_FALSE(reported(5.0, 0.18));
+  EXPECT_TRUE(reported(5.0, 0.4));
+  params_.min_sigmas = 0.0;
+  EXPECT_TRUE(reported(5.0, 0.18));
+}
+
+TEST_F(Candidates, WhatScattersAndAgreesInNoPictureIsNoSurface) {
+  see({{2.0, 3.0, -0.4, 0.6, 0.5}});
+  cv::RNG random(7);
+  const double height = compute_ground_pose(plane_, camera_).height_m;
+  for (int v = 0; v < disparity_.rows; ++v) {
+    for (int u = 0; u < disparity_.cols; ++u) {
+      if (elevation_(v, u) > -0.2F || disparity_(v, u) <= 0.0F) continue;
+      disparity_(v, u) += static_cast<float>(random.gaussian(0.4));
+      elevation_(v, u) = static_cast<float>(height * (1.0 - plane_.disparity(u, v) / disparity_(v, u)));
+    }
+  }
+  const auto largest = [this] { return std::ranges::max(below_ground(), {}, &Candidate::area_px); };
+  cv::Mat1b texture(test::half_size());
+  random.fill(texture, cv::RNG::UNIFORM, 0, 255);
+  frame_ = make_frame(texture, cv::Mat1b(test::half_size(), 110), camera_);
+  params_.min_ground_misfit = 0.0;
+  ASSERT_TRUE(largest().rejection);
+  EXPECT_EQ(largest().rejection->rule, "rough");
+  EXPECT_NEAR(largest().rejection->value, 4.0, 1.0);
+  noise_px_ = 0.3;
+  EXPECT_FALSE(largest().rejection) << "the ground scatters as much";
+}
+
+TEST(Roughness, IsTheScatterAroundAPlane) {
+  cv::Mat1f disparity(60, 80);
+  for (int v = 0; v < disparity.rows; ++v) {
+    for (int u = 0; u < disparity.cols; ++u)
+      disparity(v, u) = 20.0F + 0.1F * static_cast<float>(v) - 0.05F * static_cast<float>(u);
+  }
+  cv::Mat1b deep(disparity.size(), uchar{0});
+  deep(cv::Rect(10, 10, 50, 40)) = 255;
+  EXPECT_NEAR(compute_roughness_px(deep, disparity), 0.0, 1e-4);
+  cv::Mat1f noise(disparity.size());
+  cv::RNG(5).fill(noise, cv::RNG::NORMAL, 0.0, 0.3);
+  EXPECT_NEAR(compute_roughness_px(deep, cv::Mat1f(disparity + noise)), 0.3, 0.02);
+  EXPECT_EQ(compute_roughness_px(cv::Mat1b(disparity.size(), uchar{0}), disparity), 0.0);
+}
+
+TEST(Agreement, IsTheCorrelationThatAQuarterDoesNotReach) {
+  const cv::Size size = test::half_size();
+  cv::Mat1b texture(size);
+  cv::RNG(9).fill(texture, cv::RNG::UNIFORM, 0, 255);
+  const cv::Mat1f disparity(size, 12.0F);
+  const Frame frame = make_frame(texture, warp_to_right(texture, disparity), test::half_size_camera());
+  cv::Mat1b deep(size, uchar{0});
+  deep(cv::Rect(300, 200, 60, 40)) = 255;
+  EXPECT_NEAR(compute_agreement(frame, deep, disparity), 1.0, 1e-6);
+  EXPECT_LT(compute_agreement(frame, deep, cv::Mat1f(size, 17.0F)), 0.1);
+  EXPECT_EQ(compute_agreement(make_frame(cv::Mat1b(size, 90), texture, test::half_size_camera()), deep, disparity), 1.0);
 }
 
 TEST_F(Candidates, GreyPicturesUseTheMeanGrey) {

@@ -35,7 +35,11 @@ class FollowGround : public testing::Test {
       }
     }
     plain_ = compute_elevation(disparity_, plane_, camera_);
-    followed_ = follow_ground(plain_, disparity_, pose_, camera_, params_);
+    follow();
+  }
+  void follow() {
+    const GroundSurface flat = make_flat_surface(plane_, camera_, 0.15);
+    followed_ = compute_elevation(disparity_, follow_ground(disparity_, flat, camera_, params_), camera_);
   }
   /// The elevations up to a distance, in the middle of the picture.
   [[nodiscard]] std::vector<float> elevations(const cv::Mat1f& elevation, double until_m) const {
@@ -108,6 +112,37 @@ TEST_F(FollowGround, StopsAtAKerbBelowARamp) {
   EXPECT_NEAR(lowest(followed_, 5.0), -0.2, 0.04);
 }
 
+// Matchers smooth a kerb into a slope of half a metre; behind it the road goes on level.
+TEST_F(FollowGround, StopsAtAKerbThatIsSmoothed) {
+  for (const double rim : {2.0, 3.0, 4.0}) {
+    SCOPED_TRACE(rim);
+    see([&](double ahead) { return -0.16 * std::clamp((ahead - rim) / 0.5, 0.0, 1.0); });
+    EXPECT_NEAR(lowest(followed_, 6.0), -0.16, 0.02);
+  }
+}
+
+TEST_F(FollowGround, MeetsRaysWhereTheSurfaceIs) {
+  see([](double ahead) { return ahead < 2.5 ? 0.0 : -tangent(6.0) * (ahead - 2.5); });
+  const GroundSurface flat = make_flat_surface(plane_, camera_, 0.15);
+  const GroundSurface surface = follow_ground(disparity_, flat, camera_, params_);
+  for (const double v : {60.0, 100.0, 150.0, 300.0}) {
+    const auto on_plane = flat.intersect(kMiddle, v, camera_);
+    const auto on_surface = surface.intersect(kMiddle, v, camera_);
+    ASSERT_TRUE(on_plane && on_surface);
+    // A ray that falls by s a metre meets the plane at h / s and the ramp where h - s x = -t (x - 2.5).
+    const double plane_m = pose_.distance(*on_plane);
+    const double fall = pose_.height_m / plane_m;
+    const double ramp_m = (pose_.height_m - tangent(6.0) * 2.5) / (fall - tangent(6.0));
+    const double expected = std::max(plane_m, plane_m < 2.5 ? 0.0 : ramp_m);
+    if (expected < 6.0) {
+      EXPECT_NEAR(pose_.distance(*on_surface), expected, 0.02 * expected) << v;
+    }
+    EXPECT_NEAR(surface.relief(*on_surface), pose_.elevation(*on_surface), 0.02);
+  }
+  EXPECT_EQ(flat.relief(Eigen::Vector3d(0.0, 1.0, 2.0)), 0.0);
+  EXPECT_FALSE(surface.intersect(kMiddle, -300.0, camera_)) << "above the horizon";
+}
+
 TEST_F(FollowGround, LeavesAShallowBowlWhatItIs) {
   see([](double ahead) { return ahead < 2.0 || ahead > 2.7 ? 0.0 : -0.05 * std::sin((ahead - 2.0) / 0.7 * std::numbers::pi); });
   EXPECT_NEAR(lowest(followed_, 8.0), -0.05, 0.01);
@@ -117,19 +152,19 @@ TEST_F(FollowGround, HasNoElevationWhereThereIsNone) {
   see([](double) { return 0.0; });
   disparity_(cv::Rect(100, 200, 50, 50)).setTo(kInvalidDisparity);
   plain_ = compute_elevation(disparity_, plane_, camera_);
-  followed_ = follow_ground(plain_, disparity_, pose_, camera_, params_);
+  follow();
   EXPECT_EQ(cv::countNonZero(cv::Mat1b(followed_ == followed_) != cv::Mat1b(plain_ == plain_)), 0);
-  const cv::Mat1f none(7, 5, std::numeric_limits<float>::quiet_NaN());
-  const cv::Mat1f followed = follow_ground(none, cv::Mat1f(7, 5, kInvalidDisparity), pose_, camera_, params_);
-  EXPECT_EQ(cv::countNonZero(followed == followed), 0);
-  EXPECT_TRUE(follow_ground({}, {}, pose_, camera_, params_).empty());
+  disparity_.setTo(kInvalidDisparity);
+  follow();
+  EXPECT_EQ(cv::countNonZero(followed_ == followed_), 0);
+  disparity_.release();
+  follow();
+  EXPECT_TRUE(followed_.empty());
 }
 
 TEST_F(FollowGround, RefusesWhatDoesNotFit) {
-  EXPECT_THROW(static_cast<void>(follow_ground(cv::Mat1f(3, 3), cv::Mat1f(3, 4), pose_, camera_, params_)),
-               std::invalid_argument);
   params_.follow_cell_m = 0.0;
-  EXPECT_THROW(static_cast<void>(follow_ground({}, {}, pose_, camera_, params_)), std::invalid_argument);
+  EXPECT_THROW(follow(), std::invalid_argument);
 }
 
 }  // namespace

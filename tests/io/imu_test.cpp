@@ -58,6 +58,17 @@ TEST(EstimateGravity, FollowsAHeadThatTurns) {
   }
 }
 
+// Who turns a corner at 1.2 m/s is pushed aside by up to 1.9 m/s^2 for a second: 11 degrees in that second.
+TEST(EstimateGravity, HoldsThroughATurnOfTheWalk) {
+  std::vector<ImuSample> samples = pitching_head(0.0, 4.0);
+  for (ImuSample& sample : samples) {
+    if (sample.time > 3.0) sample.specific_force.x() += 1.9;
+  }
+  const auto gravity = estimate_gravity(samples, 4.0);
+  ASSERT_TRUE(gravity);
+  EXPECT_LT(std::acos(gravity->y()) * 180.0 / std::numbers::pi, 4.0);
+}
+
 TEST(EstimateGravity, IsEmptyWhenItCannotBeKnown) {
   EXPECT_FALSE(estimate_gravity({}, 1.0));
   EXPECT_FALSE(estimate_gravity(pitching_head(0.0, 1.0), 0.05)) << "11 readings only";

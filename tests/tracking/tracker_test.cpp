@@ -53,6 +53,25 @@ TEST(Tracker, NeedsSightingsInProportionToTheFrameRate) {
   }
 }
 
+/// A strip of a long drop, seen from one place aside to another.
+Candidate strip(double from_x, double to_x) {
+  Candidate candidate = at(0.5 * (from_x + to_x), 3.0);
+  candidate.rim_nearest = {from_x, 1.6, 2.5};
+  candidate.rim = {{from_x, 1.6, 2.5}, {to_x, 1.6, 2.5}, {to_x, 1.6, 3.5}, {from_x, 1.6, 3.5}};
+  return candidate;
+}
+
+TEST(Tracker, FollowsALongDropOfWhichOtherPartsShow) {
+  Tracker tracker;
+  (void)tracker.update({strip(-3.0, 3.0)}, std::nullopt, 0.0);
+  const std::vector<Track> tracks = tracker.update({strip(-2.0, 2.0), strip(5.0, 7.0)}, kRest, kStep);
+  EXPECT_EQ(tracks[0].length, 2) << "within the last one";
+  EXPECT_EQ(tracks[1].length, 1) << "beside it";
+  Tracker paper(TrackingParams::paper());
+  (void)paper.update({strip(-3.0, 1.0)}, std::nullopt, 0.0);
+  EXPECT_EQ(paper.update({strip(-2.0, 2.0)}, kRest, kStep)[0].length, 1);
+}
+
 TEST(Tracker, MovesCentroidsByTheMotionOfTheCamera) {
   Tracker tracker(TrackingParams::paper());
   (void)tracker.update({at(0.0, 5.0)}, std::nullopt, 0.0);

@@ -1,0 +1,60 @@
+#include "candidates/roughness.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <opencv2/imgproc.hpp>
+
+namespace brink {
+namespace {
+
+constexpr int kRadius = 6;           // px, half of a window
+constexpr int kFewest = 30;          // pixels in a window
+constexpr int kTargetWindows = 400;  // in a region, evenly spread
+
+/// Root mean square distance from the plane through the disparities around a pixel; empty when there are too few.
+std::optional<double> scatter(const cv::Mat1b& deep, const cv::Mat1f& disparity, const cv::Point& middle) {
+  const cv::Rect window =
+      cv::Rect(middle.x - kRadius, middle.y - kRadius, 2 * kRadius + 1, 2 * kRadius + 1) & cv::Rect(cv::Point(), deep.size());
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  double squares = 0.0;
+  int count = 0;
+  for (int v = window.y; v < window.br().y; ++v) {
+    for (int u = window.x; u < window.br().x; ++u) {
+      if (deep(v, u) == 0) continue;
+      const Eigen::Vector3d row(u - middle.x, v - middle.y, 1.0);
+      const double d = disparity(v, u) - disparity(middle);
+      normal += row * row.transpose();
+      right += row * d;
+      squares += d * d;
+      ++count;
+    }
+  }
+  if (count < kFewest) return std::nullopt;
+  return std::sqrt(std::max(0.0, squares - right.dot(normal.ldlt().solve(right))) / count);
+}
+
+}  // namespace
+
+double compute_roughness_px(const cv::Mat1b& deep, const cv::Mat1f& disparity) {
+  const cv::Rect box = cv::boundingRect(deep);
+  const int step = std::max(1, static_cast<int>(std::sqrt(cv::countNonZero(deep) / static_cast<double>(kTargetWindows))));
+  std::vector<double> scatters;
+  for (int v = box.y; v < box.br().y; v += step) {
+    for (int u = box.x; u < box.br().x; u += step) {
+      if (deep(v, u) == 0) continue;
+      if (const std::optional<double> window = scatter(deep, disparity, {u, v})) scatters.push_back(*window);
+    }
+  }
+  if (scatters.empty()) return 0.0;
+  const auto middle = scatters.begin() + static_cast<std::ptrdiff_t>(scatters.size() / 2);
+  std::ranges::nth_element(scatters, middle);
+  return *middle;
+}
+
+}  // namespace brink

@@ -1,0 +1,71 @@
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/core.hpp>
+
+#include "brink/ground.hpp"
+
+namespace brink {
+namespace {
+
+/// Bilinear, between the middles of cells.
+double sample(const cv::Mat1f& cells, double column, double row) {
+  const double x = std::clamp(column, 0.0, std::max(0.0, cells.cols - 1.001));
+  const double y = std::clamp(row, 0.0, std::max(0.0, cells.rows - 1.001));
+  const int left = static_cast<int>(x);
+  const int top = static_cast<int>(y);
+  const int right = std::min(left + 1, cells.cols - 1);
+  const int bottom = std::min(top + 1, cells.rows - 1);
+  const double upper = (1.0 - (x - left)) * cells(top, left) + (x - left) * cells(top, right);
+  const double lower = (1.0 - (x - left)) * cells(bottom, left) + (x - left) * cells(bottom, right);
+  return (1.0 - (y - top)) * upper + (y - top) * lower;
+}
+
+}  // namespace
+
+double GroundSurface::relief(const Eigen::Vector3d& point) const {
+  if (relief_m.empty()) return 0.0;
+  const double column = pose.right.dot(point) / cell_m + relief_m.cols / 2.0 - 0.5;
+  const double row = pose.forward.dot(point) / cell_m - 0.5;
+  return sample(relief_m, column, row);
+}
+
+// Down the ray from the highest to the lowest height that the surface has.
+std::optional<Eigen::Vector3d> GroundSurface::intersect(double u, double v, const StereoCamera& camera) const {
+  const std::optional<Eigen::Vector3d> on_plane = pose.intersect(u, v, camera);
+  if (!on_plane || relief_m.empty()) return on_plane;
+  double lowest = 0.0;
+  double highest = 0.0;
+  cv::minMaxLoc(relief_m, &lowest, &highest);
+  constexpr double kStep = 0.02;  // m of height
+  const auto at_height = [&](double height) { return Eigen::Vector3d((1.0 - height / pose.height_m) * *on_plane); };
+  double above = 0.0;  // of the last point over the surface
+  for (double height = std::min(highest, 0.9 * pose.height_m);; height -= kStep) {
+    const double over = height - relief(at_height(height));
+    if (over <= 0.0) return at_height(above > 0.0 ? height - kStep * over / (above - over) : height);
+    if (height <= lowest) return at_height(height);
+    above = over;
+  }
+}
+
+GroundSurface make_flat_surface(const GroundPlane& plane, const StereoCamera& camera, double disparity_sd_px) {
+  GroundSurface surface;
+  surface.plane = plane;
+  surface.pose = compute_ground_pose(plane, camera);
+  surface.disparity_sd_px = disparity_sd_px;
+  return surface;
+}
+
+cv::Mat1f compute_elevation(const cv::Mat1f& disparity, const GroundSurface& ground, const StereoCamera& camera) {
+  cv::Mat1f elevation = compute_elevation(disparity, ground.plane, camera);
+  if (ground.relief_m.empty()) return elevation;
+  for (int v = 0; v < elevation.rows; ++v) {
+    for (int u = 0; u < elevation.cols; ++u) {
+      if (std::isnan(elevation(v, u))) continue;
+      elevation(v, u) -= static_cast<float>(ground.relief(camera.triangulate(u, v, disparity(v, u))));
+    }
+  }
+  return elevation;
+}
+
+}  // namespace brink
