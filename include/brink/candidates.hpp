@@ -21,15 +21,15 @@ enum class CandidateType : std::uint8_t {
 std::string to_string(CandidateType type);
 
 struct CandidateParams {
-  double ground_tolerance_m = 0.10;  ///< T_g: a pixel nearer to the ground than this is a ground pixel
-  double min_depth_m = 0.15;         ///< T_e1: Type 1 lies at least this far below the ground
-  double rim_depth_ratio = 0.4;      ///< Type 1 is drawn out to where the surface is this share of min_depth_m down; 1 = not
-  double min_slope_deg = 10.0;       ///< Type 1: a quarter of its rim must be steeper than a slope that people walk; 0 = any
+  double ground_tolerance_m = 0.10;    ///< T_g: a pixel nearer to the ground than this is a ground pixel
+  double min_depth_m = 0.15;           ///< T_e1: Type 1 lies at least this far below the ground
+  double measured_depth_ratio = 0.85;  ///< ... and may measure this share of it
+  double rim_depth_ratio = 0.4;        ///< Type 1 is drawn out to where the surface is this share of min_depth_m down; 1 = not
+  double min_slope_deg = 10.0;         ///< Type 1: a quarter of its rim must be steeper than a slope that people walk; 0 = any
   double max_share_beyond = 0.5;  ///< Type 1: at most this share of it may lie beyond its far rim, as mirrors show it; 1 = all
-  double max_roughness = 2.0;     ///< Type 1: its disparities may scatter this many times as much as the ground's; 0 = any
-  double max_agreement = 0.85;    ///< ... unless both pictures agree about it better than by this correlation
+  double max_roughness = 2.2;     ///< Type 1: its disparities may scatter this many times as much as the ground's; 0 = any
   double min_ground_misfit = 0.08;  ///< Type 1: the ground must explain the pictures worse by this share; 0 = no test
-  double max_share_standing = 0.5;  ///< Type 2: at most this share of its border may stand above the ground; 1 = no test
+  double max_share_standing = 0.5;  ///< at most this share of the border may stand above the ground; 1 = no test
   int touching_gap_px = 12;         ///< pixels without disparity between a region and what it touches, at most
   double min_sigmas = 6.0;          ///< Type 1 lies this many standard deviations of a single pixel below the ground; 0 = any
   int below_ground_min_area_px = 150;  ///< T_a1: area must be greater
@@ -40,7 +40,7 @@ struct CandidateParams {
   double max_range_m = 8.0;     ///< candidates are looked for up to this distance in the ground plane
   int min_listed_area_px = 30;  ///< smaller regions are specks: not even listed as rejected
 
-  /// Without what brink adds: rim_depth_ratio 1, min_slope_deg 0, min_sigmas 0, max_share_beyond 1,
+  /// Without what brink adds: measured_depth_ratio 1, rim_depth_ratio 1, min_slope_deg 0, min_sigmas 0, max_share_beyond 1,
   /// max_roughness 0, min_ground_misfit 0, max_share_standing 1, touching_gap_px 0, border_px 0.
   static CandidateParams paper();
   void validate() const;  ///< @throws std::invalid_argument "candidates.name = value, must be ..."

@@ -19,7 +19,7 @@ namespace brink {
 namespace {
 
 constexpr float kLeastDisparity = 1.0F;  // the paper: a disparity below 1 is none
-constexpr double kLeastNoisePx = 0.1;    // of disparities: given ones may have none
+constexpr double kLeastNoisePx = 0.05;   // of disparities: given ones may have none
 constexpr double kDepthQuantile = 0.9;   // the deepest tenth is noise as often as it is depth
 
 void check_sizes(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation) {
@@ -156,6 +156,21 @@ void require(Candidate& candidate, const char* rule, bool passed, double value, 
   if (!passed && !candidate.rejection) candidate.rejection = Rejection{rule, value, limit};
 }
 
+/// What is no drop stands on the ground, or is ground between things that do.
+void require_not_standing(Candidate& candidate, const Touching& touching, const CandidateParams& params) {
+  if (params.max_share_standing >= 1.0 || touching.valid == 0) return;
+  const double standing = static_cast<double>(touching.above_ground) / touching.valid;
+  require(candidate, "standing", standing <= params.max_share_standing, standing, params.max_share_standing);
+}
+
+/// By how much a region may be rougher than the ground the better both pictures agree about it: edges and rubble are rough,
+/// too.
+double allowance(double agreement) {
+  constexpr double kFair = 0.45;  // surfaces in noise agree no better
+  constexpr double kGain = 2.0;
+  return 1.0 + kGain * std::max(0.0, agreement - kFair);
+}
+
 /// Everything about one region that does not depend on its type.
 Candidate measure(const Frame& frame, const Region& region, CandidateType type, const cv::Mat1f& disparity,
                   const GroundSurface& ground) {
@@ -176,6 +191,7 @@ std::string to_string(CandidateType type) { return type == CandidateType::below_
 
 CandidateParams CandidateParams::paper() {
   CandidateParams params;
+  params.measured_depth_ratio = 1.0;
   params.rim_depth_ratio = 1.0;
   params.min_slope_deg = 0.0;
   params.min_sigmas = 0.0;
@@ -195,11 +211,12 @@ void CandidateParams::validate() const {
   require_param(ground_tolerance_m > 0.0 && ground_tolerance_m <= 10.0, "ground_tolerance_m", ground_tolerance_m,
                 "above 0 to 10");
   require_param(min_depth_m > 0.0 && min_depth_m <= 10.0, "min_depth_m", min_depth_m, "above 0 to 10");
+  require_param(measured_depth_ratio > 0.0 && measured_depth_ratio <= 1.0, "measured_depth_ratio", measured_depth_ratio,
+                "above 0 to 1");
   require_param(rim_depth_ratio > 0.0 && rim_depth_ratio <= 1.0, "rim_depth_ratio", rim_depth_ratio, "above 0 to 1");
   require_param(min_slope_deg >= 0.0 && min_slope_deg < 90.0, "min_slope_deg", min_slope_deg, "0 to below 90");
   require_param(max_share_beyond >= 0.0 && max_share_beyond <= 1.0, "max_share_beyond", max_share_beyond, "0 to 1");
   require_param(max_roughness >= 0.0 && max_roughness <= 1000.0, "max_roughness", max_roughness, "0 to 1000");
-  require_param(max_agreement >= -1.0 && max_agreement <= 1.0, "max_agreement", max_agreement, "-1 to 1");
   require_param(min_ground_misfit >= 0.0 && min_ground_misfit <= 1.0, "min_ground_misfit", min_ground_misfit, "0 to 1");
   require_param(max_share_standing >= 0.0 && max_share_standing <= 1.0, "max_share_standing", max_share_standing, "0 to 1");
   require_param(touching_gap_px >= 0 && touching_gap_px <= 1000, "touching_gap_px", touching_gap_px, "0 to 1000");
@@ -223,10 +240,13 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
   const cv::Mat1b valid(~none);
   // On one ray an elevation is h (1 - d_ground / d), so its standard deviation is h / d times that of d.
   const double noise_px_m = params.min_sigmas * ground.disparity_sd_px * pose.height_m;
-  const cv::Mat1f depth_wanted(cv::max(noise_px_m / cv::max(disparity, kLeastDisparity), params.min_depth_m));
+  const double measured_m = params.min_depth_m * params.measured_depth_ratio;
+  const cv::Mat1f depth_wanted(cv::max(noise_px_m / cv::max(disparity, kLeastDisparity), measured_m));
   const cv::Mat1b deep((elevation <= -depth_wanted) & valid & range);
   const cv::Mat1b low((elevation <= -params.rim_depth_ratio * depth_wanted) & valid & range);
   const cv::Mat1b level((elevation > -params.rim_depth_ratio * depth_wanted) & valid & (elevation < params.ground_tolerance_m));
+
+  const double ground_roughness_px = std::max(kLeastNoisePx, compute_roughness_px(level, disparity));
 
   std::vector<Candidate> candidates;
   for (const Region& region : find_regions(low, params.min_listed_area_px)) {
@@ -247,11 +267,11 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
       require(candidate, "beyond_rim", beyond <= params.max_share_beyond, beyond, params.max_share_beyond);
     }
     if (params.max_roughness > 0.0) {
-      const double roughness = compute_roughness_px(deep_here, disparity) / std::max(kLeastNoisePx, ground.disparity_sd_px);
-      const bool rough =
-          roughness > params.max_roughness && compute_agreement(frame, deep_here, disparity) < params.max_agreement;
-      require(candidate, "rough", !rough, roughness, params.max_roughness);
+      const double roughness = compute_roughness_px(deep_here, disparity) / ground_roughness_px;
+      const double limit = params.max_roughness * allowance(compute_agreement(frame, deep_here, disparity));
+      require(candidate, "rough", roughness <= limit, roughness, limit);
     }
+    require_not_standing(candidate, touching, params);
     if (params.min_ground_misfit > 0.0) {
       const double misfit = compute_ground_misfit(frame, deep_here, disparity, elevation, pose);
       require(candidate, "like_ground", misfit >= params.min_ground_misfit, misfit, params.min_ground_misfit);
@@ -283,10 +303,7 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
     require(candidate, "touches_valid", touching.valid >= params.min_touching_px, touching.valid, params.min_touching_px);
     require(candidate, "touches_ground", surface >= params.min_touching_px, surface, params.min_touching_px);
     require(candidate, "black", brightest <= params.black_level, brightest, params.black_level);
-    if (params.max_share_standing < 1.0) {
-      const double standing = touching.valid == 0 ? 0.0 : static_cast<double>(touching.above_ground) / touching.valid;
-      require(candidate, "standing", standing <= params.max_share_standing, standing, params.max_share_standing);
-    }
+    require_not_standing(candidate, touching, params);
     require(candidate, "contour", !candidate.contour_3d.empty(), 0.0, 1.0);
     candidates.push_back(std::move(candidate));
   }

@@ -94,7 +94,7 @@ Eigen::Matrix3d rectified_from_body(const StereoCalibration& calibration, const 
 }
 
 // Both eyes' pictures by time. A camera that lacks one has an empty name there.
-std::vector<FrameFiles> match(const TimedFiles& left, const TimedFiles& right) {
+std::vector<FrameFiles> match(const std::string& list, const TimedFiles& left, const TimedFiles& right) {
   std::map<Nanoseconds, FrameFiles> frames;
   for (const auto& [time, path] : left) frames[time].left = path;
   for (const auto& [time, path] : right) frames[time].right = path;
@@ -102,6 +102,10 @@ std::vector<FrameFiles> match(const TimedFiles& left, const TimedFiles& right) {
   for (auto& [time, frame] : frames) {
     frame.index = static_cast<int>(files.size());
     frame.time = seconds(time - frames.begin()->first);
+    if (!files.empty() && frame.time <= files.back().time) {  // in years of seconds nanoseconds are lost
+      fail_file(list, fmt::format("time {} is {:.0f} s after the first one and cannot be told from the one before", time,
+                                  frame.time));
+    }
     files.push_back(std::move(frame));
   }
   return files;
@@ -120,7 +124,7 @@ Sequence open_euroc(const std::string& folder, std::optional<PictureState> pictu
   const std::string right_sensor = (root / "cam1" / "sensor.yaml").string();
   const TimedFiles left_pictures = read_pictures(root / "cam0");
   const TimedFiles right_pictures = read_pictures(root / "cam1");
-  const std::vector<FrameFiles> files = match(left_pictures, right_pictures);
+  const std::vector<FrameFiles> files = match((root / "cam0" / "data.csv").string(), left_pictures, right_pictures);
   if (files.size() == left_pictures.size() + right_pictures.size()) {
     fail_file((root / "cam1" / "data.csv").string(), "shares no time with that of cam0, expected equal times for each pair");
   }

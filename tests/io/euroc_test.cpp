@@ -157,6 +157,9 @@ TEST(Euroc, RefusesFaultyFiles) {
   expect("mav0/cam1/data.csv", "#nothing\n", "lists no pictures");
   expect("mav0/cam1/data.csv", "1.5,a.png\n", "line 1 = 1.5,a.png, expected 2 fields, the first one a time in ns");
   expect("mav0/cam1/data.csv", "5,a.png\n5,b.png\n", "line 2: time 5 is there twice");
+  const std::string cam0 = read_file(folder / "mav0/cam0/data.csv");
+  expect("mav0/cam0/data.csv", cam0 + "1,c.png\n2,d.png\n1403715273312143105,e.png\n",
+         "time 1403715273312143105 is 1403715273 s after the first one and cannot be told from the one before");
   expect("mav0/imu0/data.csv", "1,2,3\n", "line 1 = 1,2,3, expected 7 fields");
   expect("mav0/imu0/data.csv", "1,0,0,x,0,0,0\n", "line 1, number 4 = x, expected a finite number");
   expect("mav0/imu0/data.csv", "2,0,0,0,0,0,0\n1,0,0,0,0,0,0\n", "line 2: time 1, expected more than the one before");
