@@ -122,7 +122,7 @@ Detection Detector::process(const Frame& frame) {
   detection.ground = estimate_ground(detection.disparity, frame.camera, params_.ground, frame.gravity);
   mistrust_exchanged_eyes(frame, params_.ego_motion, detection.ground);
   if (detection.ground.plane) {
-    GroundSurface ground = make_flat_surface(*detection.ground.plane, frame.camera, detection.ground.residual_px);
+    GroundSurface ground = make_flat_surface(detection.ground, detection.disparity, frame.camera);
     if (params_.ground.follow) ground = follow_ground(detection.disparity, ground, frame.camera, params_.ground);
     detection.elevation = compute_elevation(detection.disparity, ground, frame.camera);
     detection.times.ground = stage.lap_ms();

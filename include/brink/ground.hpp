@@ -108,7 +108,8 @@ cv::Mat1f compute_elevation(const cv::Mat1f& disparity, const GroundPlane& groun
 struct GroundSurface {
   GroundPlane plane;
   GroundPose pose;               ///< of the plane
-  double disparity_sd_px = 0.0;  ///< noise of the disparities on it, GroundEstimate::residual_px
+  double disparity_sd_px = 0.1;  ///< standard deviation of the disparities about it
+  double roughness_px = 0.03;    ///< how far they scatter about planes of a few pixels
   double cell_m = 0.0;           ///< side of the cells of relief_m; without meaning when that is empty
   /// Height of the ground over the plane in square cells, m: rows go from the camera's foot along pose.forward, columns along
   /// pose.right, the foot in their middle. Outside, the nearest cell counts. Empty = the plane everywhere.
@@ -120,8 +121,11 @@ struct GroundSurface {
   [[nodiscard]] std::optional<Eigen::Vector3d> intersect(double u, double v, const StereoCamera& camera) const;
 };
 
-/// A plane as a surface. @throws as compute_ground_pose.
-GroundSurface make_flat_surface(const GroundPlane& plane, const StereoCamera& camera, double disparity_sd_px);
+/// A plane as a surface, with how sure the disparities on it are. The noise is told by the roughness, in which bends of the
+/// ground take no part; as far as GroundEstimate::residual_px is more than that, up to twice, the surface is less sure.
+/// @param ground with a plane. @param disparity px, kInvalidDisparity where there is none.
+/// @throws std::invalid_argument when ground has no plane.
+GroundSurface make_flat_surface(const GroundEstimate& ground, const cv::Mat1f& disparity, const StereoCamera& camera);
 
 /// The ground's own surface instead of its plane: from where it lies on the plane it is followed, seen from above, over slopes
 /// that people walk. A drop is steeper than these, also where it is seen along its own ray only, and stays what it is. Where

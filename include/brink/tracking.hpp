@@ -37,8 +37,8 @@ class Tracker {
 
   /// The tracks of this frame, one for each candidate, in their order. What the last frames' tracks remember is moved by the
   /// camera's motion; each candidate goes on with the nearest one within association_radius_m, whatever its type; with
-  /// associate_rims also one over which half of its rim lies in view, or the other way round, is as near as none can be
-  /// farther. Several may go on with one, as regions split: the nearest keeps its id.
+  /// associate_rims, where there is none, also with one that it shares half of its opening with, or of the other's. Several may
+  /// go on with one, as regions split: the nearest keeps its id.
   /// @param candidates of this frame, positions in its left camera frame, m; empty = nothing was found.
   /// @param current_from_previous left camera frames of the last call and of this one; empty when the motion is not known: then
   ///        all tracks end, and every candidate begins anew.

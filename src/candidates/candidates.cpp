@@ -13,14 +13,14 @@
 #include "candidates/ground_hypothesis.hpp"
 #include "candidates/region.hpp"
 #include "candidates/rim_slope.hpp"
-#include "candidates/roughness.hpp"
+#include "ground/roughness.hpp"
 
 namespace brink {
 namespace {
 
-constexpr float kLeastDisparity = 1.0F;  // the paper: a disparity below 1 is none
-constexpr double kLeastNoisePx = 0.05;   // of disparities: given ones may have none
-constexpr double kDepthQuantile = 0.9;   // the deepest tenth is noise as often as it is depth
+constexpr float kLeastDisparity = 1.0F;     // the paper: a disparity below 1 is none
+constexpr double kLeastRoughnessPx = 0.05;  // what walls and rubble show in the clearest pictures
+constexpr double kDepthQuantile = 0.9;      // the deepest tenth is noise as often as it is depth
 
 void check_sizes(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation) {
   const cv::Size size = frame.size();
@@ -240,13 +240,14 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
   const cv::Mat1b valid(~none);
   // On one ray an elevation is h (1 - d_ground / d), so its standard deviation is h / d times that of d.
   const double noise_px_m = params.min_sigmas * ground.disparity_sd_px * pose.height_m;
-  const double measured_m = params.min_depth_m * params.measured_depth_ratio;
+  // What lies within T_g of the ground is ground, unless less was asked for.
+  const double measured_m =
+      std::max(params.min_depth_m * params.measured_depth_ratio, std::min(params.min_depth_m, params.ground_tolerance_m));
   const cv::Mat1f depth_wanted(cv::max(noise_px_m / cv::max(disparity, kLeastDisparity), measured_m));
   const cv::Mat1b deep((elevation <= -depth_wanted) & valid & range);
   const cv::Mat1b low((elevation <= -params.rim_depth_ratio * depth_wanted) & valid & range);
   const cv::Mat1b level((elevation > -params.rim_depth_ratio * depth_wanted) & valid & (elevation < params.ground_tolerance_m));
-
-  const double ground_roughness_px = std::max(kLeastNoisePx, compute_roughness_px(level, disparity));
+  const double ground_roughness_px = std::max(kLeastRoughnessPx, ground.roughness_px);
 
   std::vector<Candidate> candidates;
   for (const Region& region : find_regions(low, params.min_listed_area_px)) {

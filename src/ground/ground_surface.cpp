@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include <opencv2/core.hpp>
 
 #include "brink/ground.hpp"
+#include "ground/roughness.hpp"
 
 namespace brink {
 namespace {
@@ -48,11 +50,17 @@ std::optional<Eigen::Vector3d> GroundSurface::intersect(double u, double v, cons
   }
 }
 
-GroundSurface make_flat_surface(const GroundPlane& plane, const StereoCamera& camera, double disparity_sd_px) {
+GroundSurface make_flat_surface(const GroundEstimate& ground, const cv::Mat1f& disparity, const StereoCamera& camera) {
+  constexpr double kOnPlane = 0.1;          // m
+  constexpr double kLeastRoughness = 0.03;  // px; given disparities may have none
+  if (!ground.plane) throw std::invalid_argument("ground has no plane");
   GroundSurface surface;
-  surface.plane = plane;
-  surface.pose = compute_ground_pose(plane, camera);
-  surface.disparity_sd_px = disparity_sd_px;
+  surface.plane = *ground.plane;
+  surface.pose = ground.pose;
+  const cv::Mat1b on_plane(cv::abs(compute_elevation(disparity, *ground.plane, camera)) < kOnPlane);
+  surface.roughness_px = std::max(kLeastRoughness, compute_roughness_px(on_plane, disparity));
+  const double noise_px = kNoiseOverRoughness * surface.roughness_px;
+  surface.disparity_sd_px = std::clamp(ground.residual_px, noise_px, 2.0 * noise_px);
   return surface;
 }
 

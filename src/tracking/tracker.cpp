@@ -13,25 +13,23 @@ namespace {
 
 constexpr std::size_t kRememberedSteps = 15;  // enough for a median that single late frames do not move
 
-/// An outline as the camera sees it, on the plane at z = 1; what is behind the camera is left out.
-std::vector<cv::Point2f> project(const std::vector<Eigen::Vector3d>& points) {
-  constexpr double kNear = 0.05;  // m
-  std::vector<cv::Point2f> outline;
-  for (const Eigen::Vector3d& p : points) {
-    if (p.z() > kNear) outline.emplace_back(static_cast<float>(p.x() / p.z()), static_cast<float>(p.y() / p.z()));
-  }
-  return outline;
+/// The hull of an opening, laid onto the camera's x-z plane: a view of the ground from above, but for an affine map, which
+/// leaves the ratios of areas alone.
+std::vector<cv::Point2f> compute_hull(const std::vector<Eigen::Vector3d>& rim) {
+  std::vector<cv::Point2f> points;
+  points.reserve(rim.size());
+  for (const Eigen::Vector3d& p : rim) points.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.z()));
+  std::vector<cv::Point2f> hull;
+  if (!points.empty()) cv::convexHull(points, hull);
+  return hull;
 }
 
-/// Whether half of one outline lies within the other.
+/// Whether half of one opening lies within the other.
 bool overlap(const std::vector<cv::Point2f>& a, const std::vector<cv::Point2f>& b) {
-  const auto half_within = [](const std::vector<cv::Point2f>& points, const std::vector<cv::Point2f>& outline) {
-    if (points.empty() || outline.size() < 3) return false;
-    const auto within =
-        std::ranges::count_if(points, [&](const cv::Point2f& p) { return cv::pointPolygonTest(outline, p, false) >= 0.0; });
-    return 2 * within >= static_cast<std::ptrdiff_t>(points.size());
-  };
-  return half_within(a, b) || half_within(b, a);
+  if (a.size() < 3 || b.size() < 3) return false;
+  std::vector<cv::Point2f> common;
+  const double shared = cv::intersectConvexConvex(a, b, common);
+  return shared > 0.0 && 2.0 * shared >= std::min(cv::contourArea(a), cv::contourArea(b));
 }
 
 /// A candidate of this frame going on with a track.
@@ -86,12 +84,12 @@ std::vector<Track> Tracker::update(const std::vector<Candidate>& candidates,
   // The nearest within the radius; of equally near ones the first.
   const auto find_nearest = [this](const Candidate& candidate) {
     std::optional<Link> nearest;
-    const std::vector<cv::Point2f> outline = project(candidate.rim);
+    const std::vector<cv::Point2f> hull = compute_hull(candidate.rim);
     for (std::size_t i = 0; i < memories_.size(); ++i) {
       double distance = (candidate.centroid - memories_[i].centroid).norm();
       if (params_.associate_rims) {
         distance = std::min(distance, (candidate.rim_nearest - memories_[i].rim_nearest).norm());
-        if (distance > params_.association_radius_m && overlap(outline, project(memories_[i].rim))) {
+        if (distance > params_.association_radius_m && overlap(hull, compute_hull(memories_[i].rim))) {
           distance = params_.association_radius_m;
         }
       }

@@ -12,7 +12,7 @@
 #include "brink/disparity.hpp"
 #include "candidates/agreement.hpp"
 #include "candidates/region.hpp"
-#include "candidates/roughness.hpp"
+#include "ground/roughness.hpp"
 #include "synthetic_scene.hpp"
 
 namespace brink {
@@ -33,11 +33,19 @@ class Candidates : public testing::Test {
     elevation_(box).setTo(std::numeric_limits<float>::quiet_NaN());
     frame_.left_color(box).setTo(color);
   }
+  [[nodiscard]] GroundSurface surface() const {
+    GroundSurface surface;
+    surface.plane = plane_;
+    surface.pose = compute_ground_pose(plane_, camera_);
+    surface.disparity_sd_px = noise_px_;
+    surface.roughness_px = noise_px_ / kNoiseOverRoughness;
+    return surface;
+  }
   [[nodiscard]] std::vector<Candidate> below_ground() const {
-    return select_below_ground(frame_, disparity_, elevation_, make_flat_surface(plane_, camera_, noise_px_), params_);
+    return select_below_ground(frame_, disparity_, elevation_, surface(), params_);
   }
   [[nodiscard]] std::vector<Candidate> no_disparity() const {
-    return select_no_disparity(frame_, disparity_, elevation_, make_flat_surface(plane_, camera_, noise_px_), params_);
+    return select_no_disparity(frame_, disparity_, elevation_, surface(), params_);
   }
 
   StereoCamera camera_ = test::half_size_camera();
@@ -343,6 +351,7 @@ TEST_F(Candidates, WhatScattersAndAgreesInNoPictureIsNoSurface) {
   random.fill(texture, cv::RNG::UNIFORM, 0, 255);
   frame_ = make_frame(texture, cv::Mat1b(test::half_size(), 110), camera_);
   params_.min_ground_misfit = 0.0;
+  noise_px_ = 0.1 * kNoiseOverRoughness;
   ASSERT_TRUE(largest().rejection);
   EXPECT_EQ(largest().rejection->rule, "rough");
   EXPECT_NEAR(largest().rejection->value, 4.0, 1.0);

@@ -37,9 +37,13 @@ class FollowGround : public testing::Test {
     plain_ = compute_elevation(disparity_, plane_, camera_);
     follow();
   }
-  void follow() {
-    const GroundSurface flat = make_flat_surface(plane_, camera_, 0.15);
-    followed_ = compute_elevation(disparity_, follow_ground(disparity_, flat, camera_, params_), camera_);
+  void follow() { followed_ = compute_elevation(disparity_, follow_ground(disparity_, flat(), camera_, params_), camera_); }
+  [[nodiscard]] GroundSurface flat() const {
+    GroundSurface flat;
+    flat.plane = plane_;
+    flat.pose = pose_;
+    flat.disparity_sd_px = 0.15;
+    return flat;
   }
   /// The elevations up to a distance, in the middle of the picture.
   [[nodiscard]] std::vector<float> elevations(const cv::Mat1f& elevation, double until_m) const {
@@ -123,10 +127,9 @@ TEST_F(FollowGround, StopsAtAKerbThatIsSmoothed) {
 
 TEST_F(FollowGround, MeetsRaysWhereTheSurfaceIs) {
   see([](double ahead) { return ahead < 2.5 ? 0.0 : -tangent(6.0) * (ahead - 2.5); });
-  const GroundSurface flat = make_flat_surface(plane_, camera_, 0.15);
-  const GroundSurface surface = follow_ground(disparity_, flat, camera_, params_);
+  const GroundSurface surface = follow_ground(disparity_, flat(), camera_, params_);
   for (const double v : {60.0, 100.0, 150.0, 300.0}) {
-    const auto on_plane = flat.intersect(kMiddle, v, camera_);
+    const auto on_plane = flat().intersect(kMiddle, v, camera_);
     const auto on_surface = surface.intersect(kMiddle, v, camera_);
     ASSERT_TRUE(on_plane && on_surface);
     // A ray that falls by s a metre meets the plane at h / s and the ramp where h - s x = -t (x - 2.5).
@@ -139,8 +142,27 @@ TEST_F(FollowGround, MeetsRaysWhereTheSurfaceIs) {
     }
     EXPECT_NEAR(surface.relief(*on_surface), pose_.elevation(*on_surface), 0.02);
   }
-  EXPECT_EQ(flat.relief(Eigen::Vector3d(0.0, 1.0, 2.0)), 0.0);
+  EXPECT_EQ(flat().relief(Eigen::Vector3d(0.0, 1.0, 2.0)), 0.0);
   EXPECT_FALSE(surface.intersect(kMiddle, -300.0, camera_)) << "above the horizon";
+}
+
+// Noise of matching is alike over a few pixels; bends count up to twice the noise.
+TEST(GroundSurface, TellsTheNoiseOnIt) {
+  const StereoCamera camera = test::half_size_camera();
+  GroundEstimate ground;
+  ground.plane = make_ground_plane(1.6, 30.0, 0.0, camera);
+  ground.pose = compute_ground_pose(*ground.plane, camera);
+  cv::Mat1f disparity = test::make_disparity(camera, test::half_size(), *ground.plane);
+  EXPECT_EQ(make_flat_surface(ground, disparity, camera).roughness_px, 0.03);
+  cv::Mat1f noise(disparity.size());
+  cv::RNG(4).fill(noise, cv::RNG::NORMAL, 0.0, 0.06);
+  disparity += noise;
+  const GroundSurface surface = make_flat_surface(ground, disparity, camera);
+  EXPECT_NEAR(surface.roughness_px, 0.06, 0.01);
+  EXPECT_NEAR(surface.disparity_sd_px, 3.3 * surface.roughness_px, 1e-9);
+  ground.residual_px = 5.0;
+  EXPECT_NEAR(make_flat_surface(ground, disparity, camera).disparity_sd_px, 6.6 * surface.roughness_px, 1e-9);
+  EXPECT_THROW(make_flat_surface({}, disparity, camera), std::invalid_argument);
 }
 
 TEST_F(FollowGround, LeavesAShallowBowlWhatItIs) {

@@ -1,4 +1,4 @@
-#include "candidates/roughness.hpp"
+#include "ground/roughness.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@
 namespace brink {
 namespace {
 
-constexpr int kRadius = 6;           // px, half of a window
-constexpr int kFewest = 30;          // pixels in a window
+constexpr int kRadius = 3;           // px, half of a window
+constexpr int kFewest = 20;          // pixels in a window
 constexpr int kTargetWindows = 400;  // in a region, evenly spread
 
 /// Root mean square distance from the plane through the disparities around a pixel; empty when there are too few.
