@@ -48,8 +48,8 @@ struct CandidateParams {
 
 /// The rule that a region failed, with its value and its limit. All in the unit that the rule's parameter has.
 struct Rejection {
-  std::string rule;  ///< "area", "touches_valid", "touches_ground", "slope", "beyond_rim", "rough", "like_ground", "black",
-                     ///< "standing", "contour"
+  std::string rule;  ///< "area", "touches_valid", "touches_ground", "slope", "beyond_rim", "rough", "standing", "like_ground",
+                     ///< "black", "contour"
   double value = 0.0;
   double limit = 0.0;
 };
