@@ -29,7 +29,7 @@ struct CandidateParams {
   double max_share_beyond = 0.5;  ///< Type 1: at most this share of it may lie beyond its far rim, as mirrors show it; 1 = all
   double max_roughness = 2.2;     ///< Type 1: its disparities may scatter this many times as much as the ground's; 0 = any
   double min_ground_misfit = 0.08;  ///< Type 1: the ground must explain the pictures worse by this share; 0 = no test
-  double max_share_standing = 0.5;  ///< at most this share of the border may stand above the ground; 1 = no test
+  double max_share_standing = 0.5;  ///< Type 2: at most this share of its border may stand above the ground; 1 = no test
   int touching_gap_px = 12;         ///< pixels without disparity between a region and what it touches, at most
   double min_sigmas = 6.0;          ///< Type 1 lies this many standard deviations of a single pixel below the ground; 0 = any
   int below_ground_min_area_px = 150;  ///< T_a1: area must be greater
@@ -48,8 +48,8 @@ struct CandidateParams {
 
 /// The rule that a region failed, with its value and its limit. All in the unit that the rule's parameter has.
 struct Rejection {
-  std::string rule;  ///< "area", "touches_valid", "touches_ground", "slope", "beyond_rim", "rough", "standing", "like_ground",
-                     ///< "black", "contour"
+  std::string rule;  ///< "area", "touches_valid", "touches_ground", "slope", "beyond_rim", "rough", "like_ground", "black",
+                     ///< "standing", "contour"
   double value = 0.0;
   double limit = 0.0;
 };

@@ -156,13 +156,6 @@ void require(Candidate& candidate, const char* rule, bool passed, double value, 
   if (!passed && !candidate.rejection) candidate.rejection = Rejection{rule, value, limit};
 }
 
-/// What is no drop stands on the ground, or is ground between things that do.
-void require_not_standing(Candidate& candidate, const Touching& touching, const CandidateParams& params) {
-  if (params.max_share_standing >= 1.0 || touching.valid == 0) return;
-  const double standing = static_cast<double>(touching.above_ground) / touching.valid;
-  require(candidate, "standing", standing <= params.max_share_standing, standing, params.max_share_standing);
-}
-
 /// By how much a region may be rougher than the ground the better both pictures agree about it: edges and rubble are rough,
 /// too.
 double allowance(double agreement) {
@@ -272,7 +265,6 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
       const double limit = params.max_roughness * allowance(compute_agreement(frame, deep_here, disparity));
       require(candidate, "rough", roughness <= limit, roughness, limit);
     }
-    require_not_standing(candidate, touching, params);
     if (params.min_ground_misfit > 0.0) {
       const double misfit = compute_ground_misfit(frame, deep_here, disparity, elevation, pose);
       require(candidate, "like_ground", misfit >= params.min_ground_misfit, misfit, params.min_ground_misfit);
@@ -304,7 +296,10 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
     require(candidate, "touches_valid", touching.valid >= params.min_touching_px, touching.valid, params.min_touching_px);
     require(candidate, "touches_ground", surface >= params.min_touching_px, surface, params.min_touching_px);
     require(candidate, "black", brightest <= params.black_level, brightest, params.black_level);
-    require_not_standing(candidate, touching, params);
+    if (params.max_share_standing < 1.0) {
+      const double standing = touching.valid == 0 ? 0.0 : static_cast<double>(touching.above_ground) / touching.valid;
+      require(candidate, "standing", standing <= params.max_share_standing, standing, params.max_share_standing);
+    }
     require(candidate, "contour", !candidate.contour_3d.empty(), 0.0, 1.0);
     candidates.push_back(std::move(candidate));
   }

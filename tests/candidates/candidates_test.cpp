@@ -387,17 +387,6 @@ TEST(Agreement, IsTheCorrelationThatAQuarterDoesNotReach) {
   EXPECT_EQ(compute_agreement(make_frame(cv::Mat1b(size, 90), texture, test::half_size_camera()), deep, disparity), 1.0);
 }
 
-TEST_F(Candidates, GroundBetweenStandingThingsIsNoHole) {
-  see({{2.0, 3.0, -0.4, 0.6, 0.5}});
-  ASSERT_FALSE(below_ground()[0].rejection);
-  cv::Mat1b around(elevation_ <= -0.05F);
-  cv::dilate(around, around, cv::Mat1b::ones(5, 5));
-  around(cv::Rect(0, 0, 300, 360)) = 0;  // ground is left on one side
-  elevation_.setTo(0.3F, around & (elevation_ > -0.05F));
-  ASSERT_TRUE(below_ground()[0].rejection);
-  EXPECT_EQ(below_ground()[0].rejection->rule, "standing");
-}
-
 TEST_F(Candidates, GreyPicturesUseTheMeanGrey) {
   see({});
   frame_ = make_frame(cv::Mat1b(test::half_size(), 110), cv::Mat1b(test::half_size(), 110), camera_);
