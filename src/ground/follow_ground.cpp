@@ -63,7 +63,7 @@ Cells collect(const cv::Mat1f& disparity, const Grid& grid, const GroundSurface&
       if (!(d > 0.0)) continue;
       const Eigen::Vector3d point = camera.triangulate(u, v, d);
       const double elevation = pose.elevation(point);
-      if (std::abs(elevation) >= kHighest) continue;
+      if (!(std::abs(elevation) < kHighest)) continue;
       const cv::Point2d place = grid.place(point, pose);
       const cv::Point cell(cvRound(place.x), cvRound(place.y));
       if (!grid.contains(cell)) continue;

@@ -29,6 +29,7 @@ double GroundSurface::relief(const Eigen::Vector3d& point) const {
   if (relief_m.empty()) return 0.0;
   const double column = pose.right.dot(point) / cell_m + relief_m.cols / 2.0 - 0.5;
   const double row = pose.forward.dot(point) / cell_m - 0.5;
+  if (!std::isfinite(column) || !std::isfinite(row)) return 0.0;  // no disparity to speak of: farther away than numbers reach
   return sample(relief_m, column, row);
 }
 

@@ -143,6 +143,7 @@ TEST_F(FollowGround, MeetsRaysWhereTheSurfaceIs) {
     EXPECT_NEAR(surface.relief(*on_surface), pose_.elevation(*on_surface), 0.02);
   }
   EXPECT_EQ(flat().relief(Eigen::Vector3d(0.0, 1.0, 2.0)), 0.0);
+  EXPECT_EQ(surface.relief(Eigen::Vector3d(-1e300, 1e300, 1e300) * 1e300), 0.0) << "where nothing can be";
   EXPECT_FALSE(surface.intersect(kMiddle, -300.0, camera_)) << "above the horizon";
 }
 
