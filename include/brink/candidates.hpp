@@ -21,11 +21,11 @@ enum class CandidateType : std::uint8_t {
 std::string to_string(CandidateType type);
 
 struct CandidateParams {
-  double ground_tolerance_m = 0.10;    ///< T_g: a pixel nearer to the ground than this is a ground pixel
-  double min_depth_m = 0.15;           ///< T_e1: Type 1 lies at least this far below the ground
-  double measured_depth_ratio = 0.85;  ///< ... and may measure this share of it, where that is more than ground_tolerance_m
-  double rim_depth_ratio = 0.4;        ///< Type 1 is drawn out to where the surface is this share of min_depth_m down; 1 = not
-  double min_slope_deg = 10.0;         ///< Type 1: a quarter of its rim must be steeper than a slope that people walk; 0 = any
+  double ground_tolerance_m = 0.10;   ///< T_g: a pixel nearer to the ground than this is a ground pixel
+  double min_depth_m = 0.15;          ///< T_e1: Type 1 lies at least this far below the ground
+  double measured_depth_ratio = 0.9;  ///< ... and may measure this share of it, where that is more than ground_tolerance_m
+  double rim_depth_ratio = 0.4;       ///< Type 1 is drawn out to where the surface is this share of min_depth_m down; 1 = not
+  double min_slope_deg = 10.0;        ///< Type 1: a quarter of its rim must be steeper than a slope that people walk; 0 = any
   double max_share_beyond = 0.5;  ///< Type 1: at most this share of it may lie beyond its far rim, as mirrors show it; 1 = all
   double max_roughness = 2.2;     ///< Type 1: its disparities may scatter this many times as much as the ground's; 0 = any
   double min_ground_misfit = 0.08;  ///< Type 1: the ground must explain the pictures worse by this share; 0 = no test

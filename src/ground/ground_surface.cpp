@@ -35,7 +35,7 @@ double GroundSurface::relief(const Eigen::Vector3d& point) const {
 
 // Down the ray from the highest to the lowest height that the surface has.
 std::optional<Eigen::Vector3d> GroundSurface::intersect(double u, double v, const StereoCamera& camera) const {
-  const std::optional<Eigen::Vector3d> on_plane = pose.intersect(u, v, camera);
+  std::optional<Eigen::Vector3d> on_plane = pose.intersect(u, v, camera);
   if (!on_plane || relief_m.empty()) return on_plane;
   double lowest = 0.0;
   double highest = 0.0;

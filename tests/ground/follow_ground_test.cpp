@@ -27,8 +27,8 @@ class FollowGround : public testing::Test {
       if (descent <= 0.0) continue;
       constexpr double kStep = 0.002;  // m along the ray
       constexpr double kFarthest = 20.0;
-      for (double s = 0.5; s < kFarthest; s += kStep) {
-        const Eigen::Vector3d point = s * ray;
+      for (int i = 0; 0.5 + i * kStep < kFarthest; ++i) {
+        const Eigen::Vector3d point = (0.5 + i * kStep) * ray;
         if (pose_.elevation(point) > height(pose_.forward.dot(point))) continue;
         disparity_.row(v).setTo(camera_.focal * camera_.baseline / point.z());
         break;
