@@ -72,7 +72,8 @@ struct Candidate {
   std::optional<Rejection> rejection;  ///< empty = candidate; the first rule that failed otherwise
 };
 
-/// Section III.C.3, Type 1: 8-connected regions of valid pixels with elevation <= -min_depth_m, drawn out to their rim.
+/// Section III.C.3, Type 1: 8-connected regions of valid pixels that lie min_depth_m below the ground, or measured_depth_ratio
+/// of it, and min_sigmas of the noise on the ground; drawn out to their rim. Rims lie on `ground`.
 /// @param elevation over the ground, m, NaN = none. @param disparity px. Both of frame.size().
 /// @return accepted and rejected regions, in the order of their first pixel row by row; empty when there is none.
 /// @throws std::invalid_argument when sizes differ or parameters are not valid.

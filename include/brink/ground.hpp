@@ -104,7 +104,8 @@ GroundEstimate estimate_ground(const cv::Mat1f& disparity, const StereoCamera& c
 /// or 0.
 cv::Mat1f compute_elevation(const cv::Mat1f& disparity, const GroundPlane& ground, const StereoCamera& camera);
 
-/// The surface of the ground: its plane and, seen from above, how far the ground lies over or under it.
+/// Our own, after section III.C.2: the surface of the ground, its plane and, seen from above, how far the ground lies over or
+/// under it.
 struct GroundSurface {
   GroundPlane plane;
   GroundPose pose;               ///< of the plane
@@ -127,9 +128,9 @@ struct GroundSurface {
 /// @throws std::invalid_argument when ground has no plane.
 GroundSurface make_flat_surface(const GroundEstimate& ground, const cv::Mat1f& disparity, const StereoCamera& camera);
 
-/// The ground's own surface instead of its plane: from where it lies on the plane it is followed, seen from above, over slopes
-/// that people walk. A drop is steeper than these, also where it is seen along its own ray only, and stays what it is. Where
-/// nothing was followed, the nearest followed place tells the height of the ground.
+/// Our own (docs/algorithm.md): the ground's own surface instead of its plane. From where it lies on the plane it is followed,
+/// seen from above, over slopes that people walk. A drop is steeper than these, also where it is seen along its own ray only,
+/// and stays what it is. Where nothing was followed, the nearest followed place tells the height of the ground.
 /// @param disparity px, kInvalidDisparity where there is none. @param flat from make_flat_surface.
 /// @throws std::invalid_argument when parameters are not valid.
 GroundSurface follow_ground(const cv::Mat1f& disparity, const GroundSurface& flat, const StereoCamera& camera,

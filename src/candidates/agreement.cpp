@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include <opencv2/imgproc.hpp>
+#include "evenly_spread.hpp"
 
 namespace brink {
 namespace {
@@ -52,14 +52,9 @@ std::optional<double> correlate(const Frame& frame, int u, int v, double dispari
 
 double compute_agreement(const Frame& frame, const cv::Mat1b& deep, const cv::Mat1f& disparity) {
   if (frame.right.empty()) return 1.0;
-  const cv::Rect box = cv::boundingRect(deep);
-  const int step = std::max(1, static_cast<int>(std::sqrt(cv::countNonZero(deep) / static_cast<double>(kTargetPixels))));
   std::vector<double> correlations;
-  for (int v = box.y; v < box.br().y; v += step) {
-    for (int u = box.x; u < box.br().x; u += step) {
-      if (deep(v, u) == 0) continue;
-      if (const std::optional<double> window = correlate(frame, u, v, disparity(v, u))) correlations.push_back(*window);
-    }
+  for (const cv::Point& p : spread_evenly(deep, kTargetPixels)) {
+    if (const std::optional<double> window = correlate(frame, p.x, p.y, disparity(p))) correlations.push_back(*window);
   }
   if (correlations.size() < kFewest) return 1.0;
   const auto quarter = correlations.begin() + static_cast<std::ptrdiff_t>(correlations.size() / 4);

@@ -8,6 +8,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "evenly_spread.hpp"
+
 namespace brink {
 namespace {
 
@@ -68,25 +70,19 @@ std::optional<double> compare_around(const Frame& frame, int u, int v, double di
 double compute_ground_misfit(const Frame& frame, const cv::Mat1b& deep, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
                              const GroundPose& pose) {
   if (frame.right.empty()) return 1.0;
-  const cv::Rect box = cv::boundingRect(deep);
-  const double area = cv::countNonZero(deep);
-  const int step = std::max(1, static_cast<int>(std::sqrt(area / kTargetPixels)));
   int judged = 0;
   double own_sum = 0.0;
   double ground_sum = 0.0;
-  for (int v = box.y; v < box.br().y; v += step) {
-    for (int u = box.x; u < box.br().x; u += step) {
-      if (deep(v, u) == 0) continue;
-      const double d = disparity(v, u);
-      const double ground = d * (1.0 - elevation(v, u) / pose.height_m);  // e = h (1 - d_ground / d)
-      if (ground - d < kApart || !has_contrast(frame.left, u, v)) continue;
-      const std::optional<double> own = compare_around(frame, u, v, d);
-      const std::optional<double> grounds = compare_around(frame, u, v, ground);
-      if (!own || !grounds) continue;
-      ++judged;
-      own_sum += *own;
-      ground_sum += *grounds;
-    }
+  for (const cv::Point& p : spread_evenly(deep, kTargetPixels)) {
+    const double d = disparity(p);
+    const double ground = d * (1.0 - elevation(p) / pose.height_m);  // e = h (1 - d_ground / d)
+    if (ground - d < kApart || !has_contrast(frame.left, p.x, p.y)) continue;
+    const std::optional<double> own = compare_around(frame, p.x, p.y, d);
+    const std::optional<double> grounds = compare_around(frame, p.x, p.y, ground);
+    if (!own || !grounds) continue;
+    ++judged;
+    own_sum += *own;
+    ground_sum += *grounds;
   }
   if (judged < kFewest || ground_sum == 0.0) return 1.0;
   return std::max(0.0, 1.0 - own_sum / ground_sum);

@@ -7,7 +7,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <opencv2/imgproc.hpp>
+
+#include "evenly_spread.hpp"
 
 namespace brink {
 namespace {
@@ -42,14 +43,9 @@ std::optional<double> scatter(const cv::Mat1b& deep, const cv::Mat1f& disparity,
 }  // namespace
 
 double compute_roughness_px(const cv::Mat1b& deep, const cv::Mat1f& disparity) {
-  const cv::Rect box = cv::boundingRect(deep);
-  const int step = std::max(1, static_cast<int>(std::sqrt(cv::countNonZero(deep) / static_cast<double>(kTargetWindows))));
   std::vector<double> scatters;
-  for (int v = box.y; v < box.br().y; v += step) {
-    for (int u = box.x; u < box.br().x; u += step) {
-      if (deep(v, u) == 0) continue;
-      if (const std::optional<double> window = scatter(deep, disparity, {u, v})) scatters.push_back(*window);
-    }
+  for (const cv::Point& p : spread_evenly(deep, kTargetWindows)) {
+    if (const std::optional<double> window = scatter(deep, disparity, p)) scatters.push_back(*window);
   }
   if (scatters.empty()) return 0.0;
   const auto middle = scatters.begin() + static_cast<std::ptrdiff_t>(scatters.size() / 2);
