@@ -20,6 +20,15 @@ enum class CandidateType : std::uint8_t {
 };
 std::string to_string(CandidateType type);
 
+/// Our own: what a negative obstacle is, as far as its shape tells.
+enum class ObstacleKind : std::uint8_t {
+  unknown,      ///< not enough of it is seen, or it is none of these
+  stairs_down,  ///< its floor falls away from the rim, one step after the other
+  edge,         ///< a long rim behind which the ground does not go on: platforms, kerbs
+  hole,         ///< ground around it on all sides
+};
+std::string to_string(ObstacleKind kind);
+
 struct CandidateParams {
   double ground_tolerance_m = 0.10;   ///< T_g: a pixel nearer to the ground than this is a ground pixel
   double min_depth_m = 0.15;          ///< T_e1: Type 1 lies at least this far below the ground
@@ -38,10 +47,12 @@ struct CandidateParams {
   double black_level = 20.0;           ///< Type 2: mean colour, maximum of B, G, R (or mean grey), at most this
   int border_px = 10;           ///< Type 2 is looked for only where both cameras see the ground, this far from their edges
   double max_range_m = 8.0;     ///< candidates are looked for up to this distance in the ground plane
+  bool tell_kind = true;        ///< tell what a candidate is by its shape; false = all are unknown
   int min_listed_area_px = 30;  ///< smaller regions are specks: not even listed as rejected
 
   /// Without what brink adds: measured_depth_ratio 1, rim_depth_ratio 1, min_slope_deg 0, min_sigmas 0, max_share_beyond 1,
-  /// max_roughness 0, min_ground_misfit 0, max_share_standing 1, touching_gap_px 0, border_px 0.
+  /// max_roughness 0, min_ground_misfit 0, max_share_standing 1, touching_gap_px 0, border_px 0,
+  /// tell_kind false.
   static CandidateParams paper();
   void validate() const;  ///< @throws std::invalid_argument "candidates.name = value, must be ..."
 };
@@ -57,6 +68,7 @@ struct Rejection {
 /// A region that may be a negative obstacle. Points in the left camera frame, m.
 struct Candidate {
   CandidateType type = CandidateType::below_ground;
+  ObstacleKind kind = ObstacleKind::unknown;              ///< of accepted ones, CandidateParams::tell_kind; else unknown
   int area_px = 0;                                        ///< pixels of the region (Type 2: before dilation)
   std::vector<cv::Point> contour;                         ///< outer contour (Type 2: of the dilated region), closed, px
   std::vector<Eigen::Vector3d> contour_3d;                ///< those contour points that have a disparity

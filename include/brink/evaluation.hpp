@@ -91,6 +91,8 @@ struct DetectionScore {
   std::optional<double> bearing_error_deg;  ///< likewise, -180..180
   std::optional<double> probability;        ///< as it claims
   std::optional<int> episode;               ///< of false alarms, index in SequenceScore::episodes
+  ObstacleKind kind = ObstacleKind::unknown;           ///< as it claims
+  std::optional<ObstacleKind> true_kind = std::nullopt;  ///< of what it hits; empty when that is nothing, of two kinds or unknown
 };
 
 struct FrameScore {
@@ -227,6 +229,8 @@ struct EvaluationSummary {
   };
   std::vector<ProbabilityBin> calibration;  ///< tenths; empty when no detection tells a probability
   std::optional<double> expected_calibration_error;
+  std::map<std::string, std::map<std::string, int>> kinds;  ///< true kind, kind that was told: detections
+  std::optional<double> kind_accuracy;                      ///< share of these that are told right; unknown is not right
 };
 /// Pools sequences: counts are added, blocks of frames and events resampled.
 /// @throws std::invalid_argument when there is no sequence or the parameters are not valid.

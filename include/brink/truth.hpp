@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "brink/camera.hpp"
+#include "brink/candidates.hpp"
 #include "brink/sequence_writer.hpp"
 
 namespace brink {
@@ -21,6 +22,7 @@ struct VisibleInstance {
   /// nearest point at all when the rim itself is out of the picture. Empty when the sequence lacks poses or rims.
   std::optional<double> distance_m;
   std::optional<double> bearing_deg;  ///< of that point, from the optical axis laid onto that plane, positive right
+  ObstacleKind kind = ObstacleKind::unknown;  ///< of the type in instances.yaml
 };
 
 /// What is true of one frame.

@@ -11,6 +11,7 @@
 #include "candidates/agreement.hpp"
 #include "candidates/far_rim.hpp"
 #include "candidates/ground_hypothesis.hpp"
+#include "candidates/kind.hpp"
 #include "candidates/region.hpp"
 #include "candidates/rim_slope.hpp"
 #include "ground/roughness.hpp"
@@ -182,6 +183,20 @@ Candidate measure(const Frame& frame, const Region& region, CandidateType type, 
 
 std::string to_string(CandidateType type) { return type == CandidateType::below_ground ? "below_ground" : "no_disparity"; }
 
+std::string to_string(ObstacleKind kind) {
+  switch (kind) {
+    case ObstacleKind::stairs_down:
+      return "stairs_down";
+    case ObstacleKind::edge:
+      return "edge";
+    case ObstacleKind::hole:
+      return "hole";
+    case ObstacleKind::unknown:
+      break;
+  }
+  return "unknown";
+}
+
 CandidateParams CandidateParams::paper() {
   CandidateParams params;
   params.measured_depth_ratio = 1.0;
@@ -194,6 +209,7 @@ CandidateParams CandidateParams::paper() {
   params.max_share_standing = 1.0;
   params.touching_gap_px = 0;
   params.border_px = 0;
+  params.tell_kind = false;
   return params;
 }
 
@@ -269,6 +285,9 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
       const double misfit = compute_ground_misfit(frame, deep_here, disparity, elevation, pose);
       require(candidate, "like_ground", misfit >= params.min_ground_misfit, misfit, params.min_ground_misfit);
     }
+    if (params.tell_kind && !candidate.rejection) {
+      candidate.kind = tell_kind(candidate, region, disparity, elevation, frame.camera, pose, params);
+    }
     candidates.push_back(std::move(candidate));
   }
   return candidates;
@@ -301,6 +320,9 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
       require(candidate, "standing", standing <= params.max_share_standing, standing, params.max_share_standing);
     }
     require(candidate, "contour", !candidate.contour_3d.empty(), 0.0, 1.0);
+    if (params.tell_kind && !candidate.rejection) {
+      candidate.kind = tell_kind(candidate, region, disparity, elevation, frame.camera, pose, params);
+    }
     candidates.push_back(std::move(candidate));
   }
   return candidates;

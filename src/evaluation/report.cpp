@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "brink/evaluation_report.hpp"
+#include "evaluation/kind_table.hpp"
 
 namespace brink {
 namespace {
@@ -101,7 +102,7 @@ std::string to_text(const std::vector<SequenceScore>& sequences, const Evaluatio
                       summary.localised, number(summary.distance_error_median_m, 3), number(summary.distance_error_p95_m, 3),
                       number(summary.bearing_error_median_deg, 2), number(summary.bearing_error_p95_deg, 2));
   text += state_line("Frames:", summary.frame_status) + state_line("Ground:", summary.ground_state);
-  return text + calibration_table(summary);
+  return text + calibration_table(summary) + kind_table(summary);
 }
 
 std::string to_text(const std::vector<Comparison>& comparisons) {

@@ -88,7 +88,8 @@ std::string to_json(const EvaluationSummary& summary) {
        {"frame_status", summary.frame_status},
        {"ground_state", summary.ground_state},
        {"calibration",
-        {{"bins", calibration(summary)}, {"expected_calibration_error", number(summary.expected_calibration_error)}}}});
+        {{"bins", calibration(summary)}, {"expected_calibration_error", number(summary.expected_calibration_error)}}},
+       {"kinds", {{"detections", summary.kinds}, {"accuracy", number(summary.kind_accuracy)}}}});
 }
 
 std::string to_json(const std::vector<Comparison>& comparisons) {

@@ -63,6 +63,8 @@ void describe(auto& archive, IsA<DetectionScore> auto& detection) {
   archive("bearing_error_deg", detection.bearing_error_deg);
   archive("probability", detection.probability);
   archive("episode", detection.episode);
+  archive.newer("kind", detection.kind);
+  archive.newer("true_kind", detection.true_kind);
 }
 
 void describe(auto& archive, IsA<FrameScore> auto& frame) {
@@ -114,6 +116,7 @@ class Writer {
   void operator()(const char* name, const Value& value) {
     json_[name] = to_json(value);
   }
+  void newer(const char* name, const auto& value) { (*this)(name, value); }
 
   template <typename Value>
   static Json to_json(const Value& value) {
@@ -153,6 +156,10 @@ class Reader {
   void operator()(const char* name, Value& value) const {
     value = member(name).template as<Value>();
   }
+  /// A field that older files lack: it stays as it is.
+  void newer(const char* name, auto& value) const {
+    if (json_.is_object() && json_.contains(name)) (*this)(name, value);
+  }
 
   template <typename Value>
   [[nodiscard]] Value as() const {
@@ -174,6 +181,8 @@ class Reader {
       return as_enumerator(std::array{FrameStatus::ok, FrameStatus::no_picture, FrameStatus::bad_frame});
     } else if constexpr (std::same_as<Value, GroundState>) {
       return as_enumerator(std::array{GroundState::seen, GroundState::uncertain, GroundState::not_visible});
+    } else if constexpr (std::same_as<Value, ObstacleKind>) {
+      return as_enumerator(std::array{ObstacleKind::unknown, ObstacleKind::stairs_down, ObstacleKind::edge, ObstacleKind::hole});
     } else if constexpr (std::same_as<Value, Eigen::Vector3d>) {
       const auto numbers = as<std::vector<double>>();
       require(numbers.size() == 3, "three numbers");

@@ -87,6 +87,17 @@ void localise(DetectionScore& score, const Candidate& candidate, const FrameTrut
   }
 }
 
+/// The kind of what a detection hits, where that is one kind.
+std::optional<ObstacleKind> find_true_kind(const std::vector<int>& hits, const FrameTruth& truth) {
+  std::optional<ObstacleKind> kind;
+  for (const VisibleInstance& instance : truth.instances) {
+    if (std::ranges::find(hits, instance.id) == hits.end()) continue;
+    if (instance.kind == ObstacleKind::unknown || (kind && *kind != instance.kind)) return std::nullopt;
+    kind = instance.kind;
+  }
+  return kind;
+}
+
 double path_length(const std::vector<double>& times, const std::vector<Eigen::Vector3d>& positions) {
   double length = 0.0;
   std::size_t last = 0;
@@ -227,6 +238,8 @@ DetectionScore SequenceEvaluator::score_detection(const NegativeObstacle& obstac
   score.settled_false = judgement.settled_false;
   score.distance_m = obstacle.candidate.distance_m;
   score.probability = obstacle.probability;
+  score.kind = obstacle.candidate.kind;
+  score.true_kind = find_true_kind(score.hits, truth);
   localise(score, obstacle.candidate, truth);
   if (score.settled_false && truth.world_from_camera) {
     note_false_alarm(score, *truth.world_from_camera * obstacle.candidate.rim_nearest, truth);

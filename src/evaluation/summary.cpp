@@ -4,6 +4,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "evaluation/kind_table.hpp"
 #include "evaluation/resampling.hpp"
 #include "evaluation/statistics.hpp"
 
@@ -189,6 +190,7 @@ EvaluationSummary summarise(const std::vector<SequenceScore>& sequences, const E
   summarise_events(summary, sequences);
   summarise_localisation(summary, sequences);
   summarise_calibration(summary, sequences);
+  summarise_kinds(summary, sequences);
   estimate_figures(summary, cut_into_pieces(sequences, params.block_frames), params);
   return summary;
 }

@@ -63,7 +63,7 @@ Json obstacle(const NegativeObstacle& obstacle) {
   Json json = {{"id", obstacle.id},
                {"type", to_string(candidate.type)},
                {"evidence", evidence(candidate.type)},
-               {"kind", "unknown"},
+               {"kind", to_string(candidate.kind)},
                {"rim_nearest", point(candidate.rim_nearest)},
                {"distance_m", rounded(candidate.distance_m, kMetreDigits)},
                {"bearing_deg", rounded(candidate.bearing_deg, kDegreeDigits)},

@@ -128,6 +128,12 @@ CandidateType read_type(const Node& node) {
   return read_choice(node, "type", std::array{CandidateType::below_ground, CandidateType::no_disparity});
 }
 
+/// What older versions wrote has the kind, too: always "unknown".
+ObstacleKind read_kind(const Node& node) {
+  return read_choice(node, "kind",
+                     std::array{ObstacleKind::unknown, ObstacleKind::stairs_down, ObstacleKind::edge, ObstacleKind::hole});
+}
+
 std::optional<double> read_probability(const Node& node) {
   constexpr const char* kName = "probability";
   if (!node.object.contains(kName)) return std::nullopt;
@@ -144,6 +150,7 @@ NegativeObstacle read_obstacle(const Node& node) {
   obstacle.probability = read_probability(node);
   Candidate& candidate = obstacle.candidate;
   candidate.type = read_type(node);
+  candidate.kind = read_kind(node);
   candidate.area_px = read_count(node, "area_px");
   candidate.contour = read_contour(node);
   candidate.centroid = read_point(node, "centroid");

@@ -126,6 +126,7 @@ std::vector<ParameterEntry> candidates_table(CandidateParams& p) {
       {"candidates.border_px", &p.border_px, "px",
        "Type 2 is looked for this far inside of what both cameras see of the ground"},
       {"candidates.max_range_m", &p.max_range_m, "m", "candidates are looked for up to this distance in the ground plane"},
+      {"candidates.tell_kind", &p.tell_kind, "", "tell stairs, edges and holes apart by their shape"},
       {"candidates.min_listed_area_px", &p.min_listed_area_px, "px", "smaller regions are not even listed as rejected"},
   };
 }

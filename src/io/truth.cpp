@@ -21,8 +21,25 @@ namespace brink {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::array<std::string_view, 7> kTypes = {"stairs_down", "platform_edge", "manhole", "trench",
-                                                    "pothole",     "lower_ground",  "curb"};
+struct TypeOfInstance {
+  std::string_view name;
+  ObstacleKind kind;
+};
+
+// A lower ground is a place with ground around it, as the simulator makes it, not what lies beyond an edge: a shallow wide hole.
+constexpr std::array<TypeOfInstance, 7> kTypes = {{{"stairs_down", ObstacleKind::stairs_down},
+                                                   {"platform_edge", ObstacleKind::edge},
+                                                   {"manhole", ObstacleKind::hole},
+                                                   {"trench", ObstacleKind::hole},
+                                                   {"pothole", ObstacleKind::hole},
+                                                   {"lower_ground", ObstacleKind::hole},
+                                                   {"curb", ObstacleKind::edge}}};
+
+std::string list_types() {
+  std::string names;
+  for (const TypeOfInstance& type : kTypes) names += (names.empty() ? "" : ", ") + std::string(type.name);
+  return names;
+}
 
 bool is_there(const fs::path& path) {
   std::error_code error;
@@ -58,8 +75,8 @@ InstanceTruth read_instance(const YAML::Node& node, const std::string& where) {
     throw std::runtime_error(fmt::format("{}: id = {}, expected an integer from 1 to 254", where, id));
   }
   instance.type = read_scalar(node, where, "type");
-  if (std::ranges::find(kTypes, instance.type) == kTypes.end()) {
-    throw std::runtime_error(fmt::format("{}: type = {}, expected one of {}", where, instance.type, fmt::join(kTypes, ", ")));
+  if (std::ranges::find(kTypes, instance.type, &TypeOfInstance::name) == kTypes.end()) {
+    throw std::runtime_error(fmt::format("{}: type = {}, expected one of {}", where, instance.type, list_types()));
   }
   const std::string depth = read_scalar(node, where, "depth_m");
   instance.depth_m = parse_number(depth).value_or(0.0);
@@ -113,7 +130,7 @@ std::vector<VisibleInstance> count_instances(const cv::Mat1b& negative) {
   std::vector<VisibleInstance> instances;
   for (int id = 1; id < kNotLabelled; ++id) {
     const int count = pixels[static_cast<std::size_t>(id)];
-    if (count > 0) instances.push_back({id, count, std::nullopt, std::nullopt, std::nullopt});
+    if (count > 0) instances.push_back({.id = id, .visible_px = count, .depth_m = {}, .distance_m = {}, .bearing_deg = {}});
   }
   return instances;
 }
@@ -166,6 +183,7 @@ FrameTruth SequenceTruth::read(int position) const {
     const auto instance = std::ranges::find(instances_, visible.id, &InstanceTruth::id);
     if (instance == instances_.end()) fail_file(path, fmt::format("holds id {}, which instances.yaml lacks", visible.id));
     visible.depth_m = instance->depth_m;
+    visible.kind = std::ranges::find(kTypes, instance->type, &TypeOfInstance::name)->kind;
     if (!truth.world_from_camera || !camera_ || instance->opening.empty()) continue;
     const Eigen::Isometry3d camera_from_world = truth.world_from_camera->inverse();
     std::vector<Eigen::Vector3d> opening;
