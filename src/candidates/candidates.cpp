@@ -286,7 +286,7 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
       require(candidate, "like_ground", misfit >= params.min_ground_misfit, misfit, params.min_ground_misfit);
     }
     if (params.tell_kind && !candidate.rejection) {
-      candidate.kind = tell_kind(candidate, region, disparity, elevation, frame.camera, pose, params);
+      candidate.kind = tell_kind(candidate, region, none, disparity, elevation, frame.camera, pose, params);
     }
     candidates.push_back(std::move(candidate));
   }
@@ -321,7 +321,7 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
     }
     require(candidate, "contour", !candidate.contour_3d.empty(), 0.0, 1.0);
     if (params.tell_kind && !candidate.rejection) {
-      candidate.kind = tell_kind(candidate, region, disparity, elevation, frame.camera, pose, params);
+      candidate.kind = tell_kind(candidate, region, none, disparity, elevation, frame.camera, pose, params);
     }
     candidates.push_back(std::move(candidate));
   }

@@ -1,12 +1,13 @@
 #include "candidates/floor.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
 #include <vector>
 
-#include <Eigen/LU>
+#include <Eigen/Geometry>
 
 #include "evenly_spread.hpp"
 
@@ -24,8 +25,11 @@ constexpr double kFirstStep = 0.35;    // m: the highest tread that is seen lies
 constexpr double kFlight = 0.45;       // m: three steps of 15 cm
 constexpr double kLeastSlope = 20.0;   // degrees
 constexpr double kGreatestSlope = 42.0;
+constexpr double kLeastSine = 0.07;  // of the angle under which a surface is seen: what a matcher smears from a rim down has none
+constexpr double kTail = 0.05;
+constexpr double kQuarter = 0.4;  // of a flight's height, in which at least a quarter of it must lie, at either end
 constexpr int kHypotheses = 300;
-constexpr std::size_t kMostCells = 400;  // that hypotheses are tested on
+constexpr std::size_t kMostCells = 300;  // that hypotheses are tested on
 
 /// Ahead and to the right of the camera's foot, and how deep below the ground, m.
 using Place = Eigen::Vector3d;
@@ -68,47 +72,69 @@ class Grid {
   std::vector<Sums> cells_ = std::vector<Sums>(static_cast<std::size_t>(kRows) * kColumns);
 };
 
-/// Whether so many depths fall from near the ground by a flight; the outermost twentieth may be anything.
-bool is_flight(std::vector<double>& depths) {
-  std::ranges::sort(depths);
-  const std::size_t tail = depths.size() / 20;
-  const double first = depths[tail];
-  return first <= kFirstStep && depths[depths.size() - 1 - tail] - first >= kFlight;
+/// Counts of depths, in bins of a quarter of what lies on one level.
+class DepthCounts {
+ public:
+  void add(double depth) {
+    ++bins_[static_cast<std::size_t>(std::clamp(depth / kBin, 0.0, kBins - 1.0))];
+    ++all_;
+  }
+  [[nodiscard]] int all() const { return all_; }
+  /// The depth that so many of all do not exceed.
+  [[nodiscard]] double quantile(double share) const {
+    int count = 0;
+    std::size_t bin = 0;
+    while (bin + 1 < bins_.size() && (count += bins_[bin]) <= share * all_) ++bin;
+    return kBin * static_cast<double>(bin);
+  }
+  /// The most of them on one level.
+  [[nodiscard]] int level() const {
+    int most = 0;
+    int here = 0;
+    for (std::size_t bin = 0; bin < bins_.size(); ++bin) {
+      here += bins_[bin] - (bin >= kPerLevel ? bins_[bin - kPerLevel] : 0);
+      most = std::max(most, here);
+    }
+    return most;
+  }
+
+ private:
+  static constexpr std::size_t kPerLevel = 4;
+  static constexpr double kBin = 2.0 * kOnSurface / kPerLevel;
+  static constexpr double kBins = 100.0;  // to 5 m; deeper ones are in the last
+  std::array<int, static_cast<std::size_t>(kBins)> bins_{};
+  int all_ = 0;
+};
+
+/// Whether depths fall from near the ground by a flight, and evenly: a wall and a bottom do not. The outermost twentieth may be
+/// anything.
+bool is_flight(const DepthCounts& depths) {
+  const double first = depths.quantile(kTail);
+  const double fall = depths.quantile(1.0 - kTail) - first;
+  return first <= kFirstStep && fall >= kFlight && depths.quantile(0.25) <= first + kQuarter * fall &&
+         depths.quantile(0.75) >= first + (1.0 - kQuarter) * fall;
 }
 
 /// The most places that lie on one plane which falls away as stairs do.
-std::size_t count_on_stairs(const std::vector<Place>& places) {
+int count_on_stairs(const std::vector<Place>& places, double height_m) {
   const auto slope_of = [](double degrees) { return std::tan(degrees * std::numbers::pi / 180.0); };
   const double least = slope_of(kLeastSlope);
   const double greatest = slope_of(kGreatestSlope);
-  std::size_t most = 0;
-  std::vector<double> depths;
+  int most = 0;
   std::mt19937 random(1);
   const auto draw = [&] { return places[random() % places.size()]; };
   for (int i = 0; i < kHypotheses; ++i) {
     const Place a = draw();
-    const Eigen::Vector3d normal = (draw() - a).cross(draw() - a);
+    const Place normal = (draw() - a).cross(draw() - a);
     const double steepness = normal.head<2>().norm() / std::abs(normal.z());  // of a plane through one place twice: no number
     if (!(steepness >= least && steepness <= greatest)) continue;
-    depths.clear();
+    const Place ray = a - Place(0.0, 0.0, -height_m);
+    if (std::abs(normal.dot(ray)) < kLeastSine * normal.norm() * ray.norm()) continue;
+    DepthCounts depths;
     for (const Place& place : places) {
-      if (std::abs(normal.dot(place - a) / normal.z()) <= kOnSurface) depths.push_back(place.z());
+      if (std::abs(normal.dot(place - a)) <= kOnSurface * std::abs(normal.z())) depths.add(place.z());
     }
-    if (depths.size() > most && is_flight(depths)) most = depths.size();
-  }
-  return most;
-}
-
-/// The most places that lie on one level.
-std::size_t count_on_level(const std::vector<Place>& places) {
-  std::vector<double> depths;
-  for (const Place& place : places) depths.push_back(place.z());
-  std::ranges::sort(depths);
-  std::size_t most = 0;
-  std::size_t lowest = 0;
-  for (std::size_t i = 0; i < depths.size(); ++i) {
-    while (depths[i] - depths[lowest] > 2.0 * kOnSurface) ++lowest;
-    most = std::max(most, i - lowest + 1);
+    if (depths.all() > most && is_flight(depths)) most = depths.all();
   }
   return most;
 }
@@ -129,7 +155,9 @@ Floor measure_floor(const Region& region, const cv::Mat1f& disparity, const cv::
   const std::size_t step = (cells.floor.size() + kMostCells - 1) / kMostCells;
   for (std::size_t i = 0; i < cells.floor.size(); i += step) some.push_back(cells.floor[i]);
   const double weight = static_cast<double>(step) / static_cast<double>(cells.all);
-  return {weight * static_cast<double>(count_on_stairs(some)), weight * static_cast<double>(count_on_level(some))};
+  DepthCounts depths;
+  for (const Place& place : some) depths.add(place.z());
+  return {weight * count_on_stairs(some, pose.height_m), weight * depths.level()};
 }
 
 }  // namespace brink

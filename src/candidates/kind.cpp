@@ -10,9 +10,10 @@
 namespace brink {
 namespace {
 
-constexpr int kFewestBorderPixels = 20;
+constexpr std::size_t kFewestBorderPixels = 20;
 constexpr double kClosedShare = 0.85;     // of the border: holes have 92 % and more, edges 79 % and less
 constexpr double kRimShare = 0.4;         // of its depth that a rim may lie down: regions are not drawn out farther either
+constexpr double kRimDepth = 0.06;
 constexpr double kEdgeLength = 2.0;       // m
 constexpr double kHoleLength = 3.0;       // m: in longer openings stairs may be hidden behind the near rim
 constexpr double kFlight = 0.45;          // m: three steps of 15 cm
@@ -22,22 +23,17 @@ constexpr double kBottomShare = 0.40;     // of the cells below an edge that are
 
 }  // namespace
 
-std::optional<double> compute_ground_share(const Region& region, const cv::Mat1f& elevation, int gap_px, double tolerance_m) {
+std::optional<double> compute_ground_share(const Region& region, const cv::Mat1b& none, const cv::Mat1f& elevation,
+                                           int gap_px, double tolerance_m) {
   // Without what the region surrounds: specks inside are noise.
   Region filled = region;
-  filled.mask = cv::Mat1b::zeros(region.mask.size());
+  filled.mask = cv::Mat1b(region.mask.size(), uchar{0});
   const std::vector<std::vector<cv::Point>> outline{trace_contour(region.mask, region.box)};
   cv::drawContours(filled.mask, outline, -1, cv::Scalar(255), cv::FILLED, cv::LINE_8, cv::noArray(), 0, -region.box.tl());
-  const cv::Mat1b none(elevation != elevation);
-  int known = 0;
-  int ground = 0;
-  for (const cv::Point& p : ring_pixels(filled, none, gap_px)) {
-    if (std::isnan(elevation(p))) continue;
-    ++known;
-    ground += std::abs(elevation(p)) <= tolerance_m ? 1 : 0;
-  }
-  if (known < kFewestBorderPixels) return std::nullopt;
-  return static_cast<double>(ground) / known;
+  const std::vector<cv::Point> ring = ring_pixels(filled, none, gap_px);
+  if (ring.size() < kFewestBorderPixels) return std::nullopt;
+  const auto is_ground = [&](const cv::Point& p) { return std::abs(elevation(p)) <= tolerance_m; };  // NaN is not
+  return static_cast<double>(std::ranges::count_if(ring, is_ground)) / static_cast<double>(ring.size());
 }
 
 double compute_opening_length_m(const std::vector<Eigen::Vector3d>& rim, const GroundPose& pose) {
@@ -51,11 +47,11 @@ double compute_opening_length_m(const std::vector<Eigen::Vector3d>& rim, const G
   return std::max(around.size.width, around.size.height);
 }
 
-ObstacleKind tell_kind(const Candidate& candidate, const Region& region, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
-                       const StereoCamera& camera, const GroundPose& pose, const CandidateParams& params) {
+ObstacleKind tell_kind(const Candidate& candidate, const Region& region, const cv::Mat1b& none, const cv::Mat1f& disparity,
+                       const cv::Mat1f& elevation, const StereoCamera& camera, const GroundPose& pose, const CandidateParams& params) {
   const double depth_m = candidate.depth_m.value_or(0.0);
-  const double tolerance_m = candidate.depth_m ? std::min(kRimShare * depth_m, params.ground_tolerance_m) : params.ground_tolerance_m;
-  const std::optional<double> ground_share = compute_ground_share(region, elevation, params.touching_gap_px, tolerance_m);
+  const double tolerance_m = candidate.depth_m ? std::min(kRimShare * depth_m, kRimDepth) : kRimDepth;
+  const std::optional<double> ground_share = compute_ground_share(region, none, elevation, params.touching_gap_px, tolerance_m);
   const double length_m = compute_opening_length_m(candidate.rim, pose);
   const bool is_closed = ground_share && *ground_share >= kClosedShare;
   if (candidate.type == CandidateType::no_disparity) return is_closed ? ObstacleKind::hole : ObstacleKind::unknown;
@@ -65,7 +61,7 @@ ObstacleKind tell_kind(const Candidate& candidate, const Region& region, const c
   if (may_be_stairs) floor = measure_floor(region, disparity, elevation, camera, pose);
   if (floor.stairs_share >= std::max(kStairsShare, kStairsOverLevel * floor.level_share)) return ObstacleKind::stairs_down;
   if (!ground_share) return ObstacleKind::unknown;
-  if (is_closed) return may_be_stairs && length_m > kHoleLength ? ObstacleKind::unknown : ObstacleKind::hole;
+  if (is_closed && length_m <= kHoleLength) return ObstacleKind::hole;
   const bool has_bottom = !may_be_stairs || floor.level_share >= kBottomShare;
   return length_m >= kEdgeLength && has_bottom ? ObstacleKind::edge : ObstacleKind::unknown;
 }
