@@ -68,7 +68,7 @@ struct Rejection {
 /// A region that may be a negative obstacle. Points in the left camera frame, m.
 struct Candidate {
   CandidateType type = CandidateType::below_ground;
-  ObstacleKind kind = ObstacleKind::unknown;              ///< of accepted ones, CandidateParams::tell_kind; else unknown
+  ObstacleKind kind = ObstacleKind::unknown;              ///< of accepted ones, with tell_kind; else unknown
   int area_px = 0;                                        ///< pixels of the region (Type 2: before dilation)
   std::vector<cv::Point> contour;                         ///< outer contour (Type 2: of the dilated region), closed, px
   std::vector<Eigen::Vector3d> contour_3d;                ///< those contour points that have a disparity

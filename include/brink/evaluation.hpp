@@ -82,17 +82,18 @@ struct InstanceScore {
 
 /// One detection in one frame.
 struct DetectionScore {
-  int id = 0;                               ///< of the obstacle
-  std::vector<int> hits;                    ///< ids that it hits if all count, "don't care" ones too
-  bool raw_false = false;                   ///< FP in the raw rates
-  bool settled_false = false;               ///< FP in the settled rates
-  double distance_m = 0.0;                  ///< as it claims
-  std::optional<double> distance_error_m;   ///< claimed less true; empty when it hits nothing or truth tells no distance
-  std::optional<double> bearing_error_deg;  ///< likewise, -180..180
-  std::optional<double> probability;        ///< as it claims
-  std::optional<int> episode;               ///< of false alarms, index in SequenceScore::episodes
-  ObstacleKind kind = ObstacleKind::unknown;           ///< as it claims
-  std::optional<ObstacleKind> true_kind = std::nullopt;  ///< of what it hits; empty when that is nothing, of two kinds or unknown
+  int id = 0;                                 ///< of the obstacle
+  std::vector<int> hits;                      ///< ids that it hits if all count, "don't care" ones too
+  bool raw_false = false;                     ///< FP in the raw rates
+  bool settled_false = false;                 ///< FP in the settled rates
+  double distance_m = 0.0;                    ///< as it claims
+  std::optional<double> distance_error_m;     ///< claimed less true; empty when it hits nothing or truth tells no distance
+  std::optional<double> bearing_error_deg;    ///< likewise, -180..180
+  std::optional<double> probability;          ///< as it claims
+  std::optional<int> episode;                 ///< of false alarms, index in SequenceScore::episodes
+  ObstacleKind kind = ObstacleKind::unknown;  ///< as it claims
+  std::optional<ObstacleKind> true_kind =
+      std::nullopt;  ///< of what it hits; empty when that is nothing, of two kinds or unknown
 };
 
 struct FrameScore {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -21,12 +22,25 @@ struct TrackingParams {
   void validate() const;            ///< @throws std::invalid_argument "tracking.name = value, must be ..."
 };
 
+/// Our own: which kind a track was told to be in how many of its sightings.
+class KindVotes {
+ public:
+  void add(ObstacleKind kind) { ++sightings_.at(static_cast<std::size_t>(kind)); }
+  /// The kind that was told most often, of equally many the first in ObstacleKind; unknown when none was ever told: not to know
+  /// is no vote.
+  [[nodiscard]] ObstacleKind winner() const;
+
+ private:
+  std::array<int, 4> sightings_{};  // by ObstacleKind
+};
+
 /// A candidate that is followed from frame to frame.
 struct Track {
   int id = 0;           ///< unique in its run
-  Candidate candidate;  ///< as this frame shows it
+  Candidate candidate;  ///< as this frame shows it; its kind is the winner of kind_votes
   int length = 1;       ///< sightings, this frame's included; in a row but for gaps of max_unseen_s
   bool validated = false;
+  KindVotes kind_votes;  ///< of all sightings
 };
 
 /// Section III.C.4: the same candidate seen over several frames from a moving camera is a negative obstacle, noise is not.
@@ -65,6 +79,7 @@ class Tracker {
     Eigen::Vector3d rim_nearest;
     std::vector<Eigen::Vector3d> rim;
     double seen = 0.0;  ///< s, last time
+    KindVotes kind_votes;
   };
 
   TrackingParams params_;

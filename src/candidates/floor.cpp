@@ -14,18 +14,19 @@
 namespace brink {
 namespace {
 
-constexpr double kCell = 0.12;         // m: less than half a tread, so that steps do not look like walls
-constexpr double kReach = 10.0;        // m from the camera: beyond that disparities tell no steps
-constexpr int kTargetPixels = 8000;    // of a region, evenly spread
-constexpr int kFewestInCell = 3;       // pixels
+constexpr double kCell = 0.12;       // m: less than half a tread, so that steps do not look like walls
+constexpr double kReach = 10.0;      // m from the camera: beyond that disparities tell no steps
+constexpr int kTargetPixels = 8000;  // of a region, evenly spread
+constexpr int kFewestInCell = 3;     // pixels
 constexpr std::size_t kFewestCells = 8;
-constexpr double kWallSpread = 0.10;   // m, standard deviation of the depths in one cell
-constexpr double kOnSurface = 0.10;    // m off a surface: half a step, and noise
-constexpr double kFirstStep = 0.35;    // m: the highest tread that is seen lies no deeper
-constexpr double kFlight = 0.45;       // m: three steps of 15 cm
-constexpr double kLeastSlope = 20.0;   // degrees
+constexpr double kWallSpread = 0.10;  // m, standard deviation of the depths in one cell
+constexpr double kOnSurface = 0.10;   // m off a surface: half a step, and noise
+constexpr double kFirstStep = 0.35;   // m: the highest tread that is seen lies no deeper
+constexpr double kFlight = 0.45;      // m: three steps of 15 cm
+constexpr double kLeastSlope = 20.0;  // degrees
 constexpr double kGreatestSlope = 42.0;
-constexpr double kLeastSine = 0.07;  // of the angle under which a surface is seen: what a matcher smears from a rim down has none
+constexpr double kLeastSine =
+    0.10;  // of the angle under which a surface is seen: what a matcher smears from a rim down has none
 constexpr double kTail = 0.05;
 constexpr double kQuarter = 0.4;  // of a flight's height, in which at least a quarter of it must lie, at either end
 constexpr int kHypotheses = 300;

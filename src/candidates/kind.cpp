@@ -11,20 +11,21 @@ namespace brink {
 namespace {
 
 constexpr std::size_t kFewestBorderPixels = 20;
-constexpr double kClosedShare = 0.85;     // of the border: holes have 92 % and more, edges 79 % and less
-constexpr double kRimShare = 0.4;         // of its depth that a rim may lie down: regions are not drawn out farther either
+constexpr double kClosedShare = 0.85;  // of the border: holes have 92 % and more, edges 79 % and less
+constexpr double kRimShare = 0.4;      // of its depth that a rim may lie down: regions are not drawn out farther either
 constexpr double kRimDepth = 0.06;
-constexpr double kEdgeLength = 2.0;       // m
-constexpr double kHoleLength = 3.0;       // m: in longer openings stairs may be hidden behind the near rim
-constexpr double kFlight = 0.45;          // m: three steps of 15 cm
-constexpr double kStairsShare = 0.10;     // of the cells of the floor
-constexpr double kStairsOverLevel = 0.45; // stairs against their landing; a track bed is much larger than what seems to lead down to it
-constexpr double kBottomShare = 0.40;     // of the cells below an edge that are one level
+constexpr double kEdgeLength = 2.0;    // m
+constexpr double kHoleLength = 3.0;    // m: in longer openings stairs may be hidden behind the near rim
+constexpr double kFlight = 0.45;       // m: three steps of 15 cm
+constexpr double kStairsShare = 0.10;  // of the cells of the floor
+constexpr double kStairsOverLevel =
+    0.45;  // stairs against their landing; a track bed is much larger than what seems to lead down to it
+constexpr double kBottomShare = 0.40;  // of the cells below an edge that are one level
 
 }  // namespace
 
-std::optional<double> compute_ground_share(const Region& region, const cv::Mat1b& none, const cv::Mat1f& elevation,
-                                           int gap_px, double tolerance_m) {
+std::optional<double> compute_ground_share(const Region& region, const cv::Mat1b& none, const cv::Mat1f& elevation, int gap_px,
+                                           double tolerance_m) {
   // Without what the region surrounds: specks inside are noise.
   Region filled = region;
   filled.mask = cv::Mat1b(region.mask.size(), uchar{0});
@@ -48,7 +49,8 @@ double compute_opening_length_m(const std::vector<Eigen::Vector3d>& rim, const G
 }
 
 ObstacleKind tell_kind(const Candidate& candidate, const Region& region, const cv::Mat1b& none, const cv::Mat1f& disparity,
-                       const cv::Mat1f& elevation, const StereoCamera& camera, const GroundPose& pose, const CandidateParams& params) {
+                       const cv::Mat1f& elevation, const StereoCamera& camera, const GroundPose& pose,
+                       const CandidateParams& params) {
   const double depth_m = candidate.depth_m.value_or(0.0);
   const double tolerance_m = candidate.depth_m ? std::min(kRimShare * depth_m, kRimDepth) : kRimDepth;
   const std::optional<double> ground_share = compute_ground_share(region, none, elevation, params.touching_gap_px, tolerance_m);

@@ -24,8 +24,10 @@ std::optional<double> compute_ground_share(const Region& region, const cv::Mat1b
 double compute_opening_length_m(const std::vector<Eigen::Vector3d>& rim, const GroundPose& pose);
 
 /// What a candidate is, by its shape (docs/algorithm.md); it depends on nothing but the arguments.
-/// @param candidate made of that region, with its rim and depth. @param none as above. @param disparity px. @param elevation as above.
+/// @param candidate made of that region, with its rim and depth. @param none as above. @param disparity px. @param elevation as
+/// above.
 ObstacleKind tell_kind(const Candidate& candidate, const Region& region, const cv::Mat1b& none, const cv::Mat1f& disparity,
-                       const cv::Mat1f& elevation, const StereoCamera& camera, const GroundPose& pose, const CandidateParams& params);
+                       const cv::Mat1f& elevation, const StereoCamera& camera, const GroundPose& pose,
+                       const CandidateParams& params);
 
 }  // namespace brink

@@ -31,7 +31,8 @@ void summarise_kinds(EvaluationSummary& summary, const std::vector<SequenceScore
 
 std::string kind_table(const EvaluationSummary& summary) {
   if (!summary.kind_accuracy) return "Kinds: no detection hits an instance whose kind is known\n";
-  std::string text = "| is, detections that hit | told stairs_down | edge | hole | unknown | share told right |\n|---|---|---|---|---|---|\n";
+  std::string text =
+      "| is, detections that hit | told stairs_down | edge | hole | unknown | share told right |\n|---|---|---|---|---|---|\n";
   for (const auto& [kind, told] : summary.kinds) {
     int all = 0;
     text += "| " + kind;

@@ -182,7 +182,8 @@ class Reader {
     } else if constexpr (std::same_as<Value, GroundState>) {
       return as_enumerator(std::array{GroundState::seen, GroundState::uncertain, GroundState::not_visible});
     } else if constexpr (std::same_as<Value, ObstacleKind>) {
-      return as_enumerator(std::array{ObstacleKind::unknown, ObstacleKind::stairs_down, ObstacleKind::edge, ObstacleKind::hole});
+      return as_enumerator(
+          std::array{ObstacleKind::unknown, ObstacleKind::stairs_down, ObstacleKind::edge, ObstacleKind::hole});
     } else if constexpr (std::same_as<Value, Eigen::Vector3d>) {
       const auto numbers = as<std::vector<double>>();
       require(numbers.size() == 3, "three numbers");

@@ -26,7 +26,8 @@ struct TypeOfInstance {
   ObstacleKind kind;
 };
 
-// A lower ground is a place with ground around it, as the simulator makes it, not what lies beyond an edge: a shallow wide hole.
+// A lower ground is a place with ground around it, as the simulator makes it, not what lies beyond an edge: a shallow wide
+// hole.
 constexpr std::array<TypeOfInstance, 7> kTypes = {{{"stairs_down", ObstacleKind::stairs_down},
                                                    {"platform_edge", ObstacleKind::edge},
                                                    {"manhole", ObstacleKind::hole},

@@ -51,6 +51,11 @@ std::map<std::size_t, std::size_t> find_heirs(const std::vector<std::optional<Li
 
 }  // namespace
 
+ObstacleKind KindVotes::winner() const {
+  const auto told = std::ranges::max_element(sightings_.begin() + 1, sightings_.end());
+  return *told == 0 ? ObstacleKind::unknown : static_cast<ObstacleKind>(told - sightings_.begin());
+}
+
 TrackingParams TrackingParams::paper() {
   TrackingParams params;
   params.associate_rims = false;
@@ -105,11 +110,14 @@ std::vector<Track> Tracker::update(const std::vector<Candidate>& candidates,
   std::vector<Track> tracks;
   tracks.reserve(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    Track track{.id = 0, .candidate = candidates[i], .length = 1, .validated = false};
+    Track track{.id = 0, .candidate = candidates[i], .length = 1, .validated = false, .kind_votes = {}};
     if (links[i]) track.length = memories_[links[i]->track].length + 1;
     const bool keeps_id = links[i] && heirs.at(links[i]->track) == i;
     track.id = keeps_id ? memories_[links[i]->track].id : ++last_id_;
     track.validated = track.length >= required_sightings();
+    if (links[i]) track.kind_votes = memories_[links[i]->track].kind_votes;
+    track.kind_votes.add(track.candidate.kind);
+    track.candidate.kind = track.kind_votes.winner();
     tracks.push_back(std::move(track));
   }
   remember(tracks, heirs, time);
@@ -127,8 +135,8 @@ void Tracker::remember(const std::vector<Track>& tracks, const std::map<std::siz
   std::vector<Memory> memories;
   memories.reserve(tracks.size() + memories_.size());
   for (const Track& track : tracks) {
-    memories.push_back(
-        {track.id, track.length, track.candidate.centroid, track.candidate.rim_nearest, track.candidate.rim, time});
+    memories.push_back({track.id, track.length, track.candidate.centroid, track.candidate.rim_nearest, track.candidate.rim,
+                        time, track.kind_votes});
   }
   for (std::size_t i = 0; i < memories_.size(); ++i) {
     const bool young = time - memories_[i].seen <= params_.max_unseen_s + kTolerance;
