@@ -82,18 +82,19 @@ struct InstanceScore {
 
 /// One detection in one frame.
 struct DetectionScore {
-  int id = 0;                                 ///< of the obstacle
-  std::vector<int> hits;                      ///< ids that it hits if all count, "don't care" ones too
-  bool raw_false = false;                     ///< FP in the raw rates
-  bool settled_false = false;                 ///< FP in the settled rates
-  double distance_m = 0.0;                    ///< as it claims
-  std::optional<double> distance_error_m;     ///< claimed less true; empty when it hits nothing or truth tells no distance
-  std::optional<double> bearing_error_deg;    ///< likewise, -180..180
-  std::optional<double> probability;          ///< as it claims
-  std::optional<int> episode;                 ///< of false alarms, index in SequenceScore::episodes
-  ObstacleKind kind = ObstacleKind::unknown;  ///< as it claims
-  std::optional<ObstacleKind> true_kind =
-      std::nullopt;  ///< of what it hits; empty when that is nothing, of two kinds or unknown
+  int id = 0;                               ///< of the obstacle
+  std::vector<int> hits;                    ///< ids that it hits if all count, "don't care" ones too
+  bool raw_false = false;                   ///< FP in the raw rates
+  bool settled_false = false;               ///< FP in the settled rates
+  double distance_m = 0.0;                  ///< as it claims
+  std::optional<double> distance_error_m;   ///< claimed less true; empty when it hits nothing or truth tells no distance
+  std::optional<double> bearing_error_deg;  ///< likewise, -180..180
+  std::optional<double> probability;        ///< as it claims
+  std::optional<int> episode;               ///< of false alarms, index in SequenceScore::episodes
+  /// As it claims; empty in scores of older versions.
+  std::optional<ObstacleKind> kind;
+  /// Of what it hits; empty when that is nothing, of two kinds, or of a kind that is not known.
+  std::optional<ObstacleKind> true_kind;
 };
 
 struct FrameScore {
@@ -230,8 +231,10 @@ struct EvaluationSummary {
   };
   std::vector<ProbabilityBin> calibration;  ///< tenths; empty when no detection tells a probability
   std::optional<double> expected_calibration_error;
-  std::map<std::string, std::map<std::string, int>> kinds;  ///< true kind, kind that was told: detections
-  std::optional<double> kind_accuracy;                      ///< share of these that are told right; unknown is not right
+  /// By true kind and by the kind that was told, the detections of which both are known; and the share that is told right. Not
+  /// to know counts as wrong.
+  std::map<std::string, std::map<std::string, int>> kinds;
+  std::optional<double> kind_accuracy;
 };
 /// Pools sequences: counts are added, blocks of frames and events resampled.
 /// @throws std::invalid_argument when there is no sequence or the parameters are not valid.

@@ -21,8 +21,9 @@ struct VisibleInstance {
   /// Of the nearest point of its rim that is seen, in the plane of the rim, from the foot of the camera's perpendicular; of the
   /// nearest point at all when the rim itself is out of the picture. Empty when the sequence lacks poses or rims.
   std::optional<double> distance_m;
-  std::optional<double> bearing_deg;          ///< of that point, from the optical axis laid onto that plane, positive right
-  ObstacleKind kind = ObstacleKind::unknown;  ///< of the type in instances.yaml
+  std::optional<double> bearing_deg;  ///< of that point, from the optical axis laid onto that plane, positive right
+  /// What its type in instances.yaml is.
+  ObstacleKind kind = ObstacleKind::unknown;
 };
 
 /// What is true of one frame.

@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include "evenly_spread.hpp"
@@ -19,7 +20,8 @@ constexpr double kReach = 10.0;      // m from the camera: beyond that dispariti
 constexpr int kTargetPixels = 8000;  // of a region, evenly spread
 constexpr int kFewestInCell = 3;     // pixels
 constexpr std::size_t kFewestCells = 8;
-constexpr double kWallSpread = 0.10;  // m, standard deviation of the depths in one cell
+constexpr int kFewestAround = 3;      // of the 8 cells around one
+constexpr double kWallSpread = 0.12;  // m, standard deviation of the depths in one cell
 constexpr double kOnSurface = 0.10;   // m off a surface: half a step, and noise
 constexpr double kFirstStep = 0.35;   // m: the highest tread that is seen lies no deeper
 constexpr double kFlight = 0.45;      // m: three steps of 15 cm
@@ -36,28 +38,31 @@ constexpr std::size_t kMostCells = 300;  // that hypotheses are tested on
 using Place = Eigen::Vector3d;
 
 struct Cells {
-  std::vector<Place> floor;
-  std::size_t all = 0;  ///< with those that show walls
+  std::size_t all = 0;         ///< with those that show walls
+  std::vector<Place> floor;    ///< the others
+  std::vector<Place> surface;  ///< those of them with others around: a strip that is one cell wide is a side wall
 };
 
 class Grid {
  public:
   void add(double ahead, double right, double depth) {
     if (!(ahead >= 0.0 && ahead < kReach && std::abs(right) < kReach)) return;
-    const int row = static_cast<int>(ahead / kCell);
-    const int column = static_cast<int>((right + kReach) / kCell);
-    Sums& cell = cells_[static_cast<std::size_t>(row * kColumns + column)];
+    Sums& cell = cells_(static_cast<int>(ahead / kCell) + 1, static_cast<int>((right + kReach) / kCell) + 1);
     ++cell.count;
     cell.sum += Place(ahead, right, depth);
     cell.depth2 += depth * depth;
   }
   [[nodiscard]] Cells collect() const {
     Cells cells;
-    for (const Sums& cell : cells_) {
-      if (cell.count < kFewestInCell) continue;
-      ++cells.all;
-      const Place mean = cell.sum / cell.count;
-      if (cell.depth2 / cell.count - mean.z() * mean.z() <= kWallSpread * kWallSpread) cells.floor.push_back(mean);
+    for (int row = 1; row + 1 < cells_.rows(); ++row) {
+      for (int column = 1; column + 1 < cells_.cols(); ++column) {
+        const Sums& cell = cells_(row, column);
+        if (cell.count < kFewestInCell) continue;
+        ++cells.all;
+        if (!cell.is_floor()) continue;
+        cells.floor.emplace_back(cell.sum / cell.count);
+        if (count_floor_around(row, column) >= kFewestAround) cells.surface.push_back(cells.floor.back());
+      }
     }
     return cells;
   }
@@ -67,10 +72,23 @@ class Grid {
     int count = 0;
     Place sum = Place::Zero();
     double depth2 = 0.0;
+    [[nodiscard]] bool is_floor() const {
+      if (count < kFewestInCell) return false;
+      const double mean = sum.z() / count;
+      return depth2 / count - mean * mean <= kWallSpread * kWallSpread;
+    }
   };
-  static constexpr int kRows = static_cast<int>(kReach / kCell) + 1;
-  static constexpr int kColumns = static_cast<int>(2.0 * kReach / kCell) + 1;
-  std::vector<Sums> cells_ = std::vector<Sums>(static_cast<std::size_t>(kRows) * kColumns);
+  [[nodiscard]] int count_floor_around(int row, int column) const {
+    int count = -1;  // itself
+    for (int i = row - 1; i <= row + 1; ++i) {
+      for (int j = column - 1; j <= column + 1; ++j) count += cells_(i, j).is_floor() ? 1 : 0;
+    }
+    return count;
+  }
+
+  static constexpr int kRows = static_cast<int>(kReach / kCell) + 3;  // with a margin
+  static constexpr int kColumns = static_cast<int>(2.0 * kReach / kCell) + 3;
+  Eigen::Array<Sums, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> cells_{kRows, kColumns};
 };
 
 /// Counts of depths, in bins of a quarter of what lies on one level.
@@ -152,13 +170,16 @@ Floor measure_floor(const Region& region, const cv::Mat1f& disparity, const cv::
   }
   const Cells cells = grid.collect();
   if (cells.floor.size() < kFewestCells) return {};
-  std::vector<Place> some;  // evenly spread
-  const std::size_t step = (cells.floor.size() + kMostCells - 1) / kMostCells;
-  for (std::size_t i = 0; i < cells.floor.size(); i += step) some.push_back(cells.floor[i]);
-  const double weight = static_cast<double>(step) / static_cast<double>(cells.all);
   DepthCounts depths;
-  for (const Place& place : some) depths.add(place.z());
-  return {weight * count_on_stairs(some, pose.height_m), weight * depths.level()};
+  for (const Place& place : cells.floor) depths.add(place.z());
+  Floor floor;
+  floor.level_share = static_cast<double>(depths.level()) / static_cast<double>(cells.all);
+  if (cells.surface.size() < kFewestCells) return floor;
+  std::vector<Place> some;  // evenly spread
+  const std::size_t step = (cells.surface.size() + kMostCells - 1) / kMostCells;
+  for (std::size_t i = 0; i < cells.surface.size(); i += step) some.push_back(cells.surface[i]);
+  floor.stairs_share = static_cast<double>(step) * count_on_stairs(some, pose.height_m) / static_cast<double>(cells.all);
+  return floor;
 }
 
 }  // namespace brink

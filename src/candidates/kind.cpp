@@ -12,15 +12,15 @@ namespace {
 
 constexpr std::size_t kFewestBorderPixels = 20;
 constexpr double kClosedShare = 0.85;  // of the border: holes have 92 % and more, edges 79 % and less
-constexpr double kRimShare = 0.4;      // of its depth that a rim may lie down: regions are not drawn out farther either
-constexpr double kRimDepth = 0.06;
-constexpr double kEdgeLength = 2.0;    // m
-constexpr double kHoleLength = 3.0;    // m: in longer openings stairs may be hidden behind the near rim
-constexpr double kFlight = 0.45;       // m: three steps of 15 cm
-constexpr double kStairsShare = 0.10;  // of the cells of the floor
-constexpr double kStairsOverLevel =
-    0.45;  // stairs against their landing; a track bed is much larger than what seems to lead down to it
-constexpr double kBottomShare = 0.40;  // of the cells below an edge that are one level
+constexpr double kRimShare = 0.4;      // of its depth that a rim may lie down, as regions are drawn out,
+constexpr double kRimDepth = 0.06;     // m, but never more than this
+constexpr double kEdgeLength = 2.0;    // m, at least
+constexpr double kHoleLength = 3.0;    // m, at most, of deep ones: stairs may be hidden in longer openings
+constexpr double kDeep = 0.45;         // m: three steps of 15 cm
+// Shares of the cells of the floor
+constexpr double kStairsShare = 0.10;
+constexpr double kStairsOverLevel = 0.45;  // times the landing; a track bed is much larger than what seems to lead down to it
+constexpr double kBottomShare = 0.40;      // one level below an edge
 
 }  // namespace
 
@@ -51,21 +51,19 @@ double compute_opening_length_m(const std::vector<Eigen::Vector3d>& rim, const G
 ObstacleKind tell_kind(const Candidate& candidate, const Region& region, const cv::Mat1b& none, const cv::Mat1f& disparity,
                        const cv::Mat1f& elevation, const StereoCamera& camera, const GroundPose& pose,
                        const CandidateParams& params) {
-  const double depth_m = candidate.depth_m.value_or(0.0);
+  const double depth_m = candidate.depth_m.value_or(0.0);  // of Type 2 no floor is seen
+  const bool is_deep = depth_m >= kDeep;
+  Floor floor;
+  if (is_deep) floor = measure_floor(region, disparity, elevation, camera, pose);
+  if (floor.stairs_share >= std::max(kStairsShare, kStairsOverLevel * floor.level_share)) return ObstacleKind::stairs_down;
+
   const double tolerance_m = candidate.depth_m ? std::min(kRimShare * depth_m, kRimDepth) : kRimDepth;
   const std::optional<double> ground_share = compute_ground_share(region, none, elevation, params.touching_gap_px, tolerance_m);
-  const double length_m = compute_opening_length_m(candidate.rim, pose);
-  const bool is_closed = ground_share && *ground_share >= kClosedShare;
-  if (candidate.type == CandidateType::no_disparity) return is_closed ? ObstacleKind::hole : ObstacleKind::unknown;
-
-  const bool may_be_stairs = depth_m >= kFlight;
-  Floor floor;
-  if (may_be_stairs) floor = measure_floor(region, disparity, elevation, camera, pose);
-  if (floor.stairs_share >= std::max(kStairsShare, kStairsOverLevel * floor.level_share)) return ObstacleKind::stairs_down;
   if (!ground_share) return ObstacleKind::unknown;
-  if (is_closed && length_m <= kHoleLength) return ObstacleKind::hole;
-  const bool has_bottom = !may_be_stairs || floor.level_share >= kBottomShare;
-  return length_m >= kEdgeLength && has_bottom ? ObstacleKind::edge : ObstacleKind::unknown;
+  const double length_m = compute_opening_length_m(candidate.rim, pose);
+  if (*ground_share >= kClosedShare) return is_deep && length_m > kHoleLength ? ObstacleKind::unknown : ObstacleKind::hole;
+  const bool has_bottom = candidate.depth_m && (!is_deep || floor.level_share >= kBottomShare);
+  return has_bottom && length_m >= kEdgeLength ? ObstacleKind::edge : ObstacleKind::unknown;
 }
 
 }  // namespace brink

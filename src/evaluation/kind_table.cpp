@@ -19,10 +19,10 @@ void summarise_kinds(EvaluationSummary& summary, const std::vector<SequenceScore
   for (const SequenceScore& sequence : sequences) {
     for (const FrameScore& frame : sequence.frames) {
       for (const DetectionScore& detection : frame.detections) {
-        if (!detection.true_kind) continue;
-        ++summary.kinds[to_string(*detection.true_kind)][to_string(detection.kind)];
+        if (!detection.kind || !detection.true_kind) continue;
+        ++summary.kinds[to_string(*detection.true_kind)][to_string(*detection.kind)];
         ++all;
-        right += detection.kind == *detection.true_kind ? 1 : 0;
+        right += *detection.kind == *detection.true_kind ? 1 : 0;
       }
     }
   }

@@ -63,8 +63,8 @@ void describe(auto& archive, IsA<DetectionScore> auto& detection) {
   archive("bearing_error_deg", detection.bearing_error_deg);
   archive("probability", detection.probability);
   archive("episode", detection.episode);
-  archive.newer("kind", detection.kind);
-  archive.newer("true_kind", detection.true_kind);
+  archive.later("kind", detection.kind);
+  archive.later("true_kind", detection.true_kind);
 }
 
 void describe(auto& archive, IsA<FrameScore> auto& frame) {
@@ -116,7 +116,12 @@ class Writer {
   void operator()(const char* name, const Value& value) {
     json_[name] = to_json(value);
   }
-  void newer(const char* name, const auto& value) { (*this)(name, value); }
+
+  /// A field that older files lack.
+  template <typename Value>
+  void later(const char* name, const std::optional<Value>& value) {
+    (*this)(name, value);
+  }
 
   template <typename Value>
   static Json to_json(const Value& value) {
@@ -156,9 +161,11 @@ class Reader {
   void operator()(const char* name, Value& value) const {
     value = member(name).template as<Value>();
   }
-  /// A field that older files lack: it stays as it is.
-  void newer(const char* name, auto& value) const {
-    if (json_.is_object() && json_.contains(name)) (*this)(name, value);
+
+  template <typename Value>
+  void later(const char* name, std::optional<Value>& value) const {
+    require(json_.is_object(), "an object");
+    if (json_.contains(name)) (*this)(name, value);
   }
 
   template <typename Value>

@@ -37,7 +37,9 @@ SequenceScore make_sequence() {
   detection.distance_error_m = -1e-17;
   detection.bearing_error_deg = -0.0;
   detection.probability = 0.97;
-  frame.detections = {detection, {6, {}, true, true, 1e300, {}, {}, {}, 0}};
+  detection.kind = ObstacleKind::edge;
+  detection.true_kind = ObstacleKind::stairs_down;
+  frame.detections = {detection, {6, {}, true, true, 1e300, {}, {}, {}, 0, {}, {}}};
   sequence.frames = {frame};
   sequence.events = {{7, 12, 1.1, 0.9, 12, 1.1, 0.7, true}, {8, 12, 2.2, 2.1, {}, {}, {}, false}};
   sequence.episodes = {{12, 12, 1, {0.1, -0.2, 1e-9}}};
@@ -84,6 +86,9 @@ TEST(ScoresFile, GivesBackEveryFieldAsItWas) {
   EXPECT_EQ(frame.detections[0].distance_error_m, -1e-17);
   EXPECT_TRUE(std::signbit(*frame.detections[0].bearing_error_deg));
   EXPECT_EQ(frame.detections[0].probability, 0.97);
+  EXPECT_EQ(frame.detections[0].kind, ObstacleKind::edge);
+  EXPECT_EQ(frame.detections[0].true_kind, ObstacleKind::stairs_down);
+  EXPECT_FALSE(frame.detections[1].true_kind.has_value());
   EXPECT_EQ(frame.detections[1].distance_m, 1e300);
   EXPECT_EQ(frame.detections[1].episode, 0);
   EXPECT_EQ(read.events[0].lead_time_s, 0.7);
@@ -113,6 +118,15 @@ TEST(ScoresFile, HoldsAsManyFieldsAsTheStructuresHave) {
   EXPECT_EQ(sequence["frames"][0].size(), test::count_fields<FrameScore>());
   EXPECT_EQ(sequence["frames"][0]["instances"][0].size(), test::count_fields<InstanceScore>());
   EXPECT_EQ(sequence["frames"][0]["detections"][0].size(), test::count_fields<DetectionScore>());
+}
+
+TEST(ScoresFile, IsReadWithoutTheKindsThatOlderVersionsDoNotTell) {
+  Json json = Json::parse(to_json({make_sequence()}, {}));
+  Json& detection = json["sequences"][0]["frames"][0]["detections"][0];
+  EXPECT_EQ(detection.erase("kind") + detection.erase("true_kind"), 2U);
+  const StoredScores stored = read(json.dump());
+  EXPECT_FALSE(stored.sequences[0].frames[0].detections[0].kind.has_value());
+  EXPECT_FALSE(stored.sequences[0].frames[0].detections[0].true_kind.has_value());
 }
 
 TEST(ScoresFile, BeginsWithItsFormat) { EXPECT_TRUE(to_json({}, {}).starts_with(R"({"format":"brink-scores-1","params":{)")); }

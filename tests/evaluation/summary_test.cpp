@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "brink/evaluation.hpp"
+#include "brink/evaluation_report.hpp"
 #include "expect_error.hpp"
 
 namespace brink {
@@ -64,6 +65,30 @@ TEST(Summary, ReproducesThePapersRatesFromItsCounts) {
   EXPECT_NEAR(summarise({s2}).raw_ppv->value, 0.889, 0.0005);  // 160 / 180
   EXPECT_NEAR(summarise({s3}).raw_tpr->value, 0.890, 0.0005);  // 446 / 501
   EXPECT_NEAR(summarise({s3}).raw_ppv->value, 0.920, 0.0005);  // 446 / 485
+}
+
+TEST(Summary, CountsTheKindsThatAreToldOfEachTrueKind) {
+  SequenceScore sequence = make_sequence(1, 0, 0, 0);
+  const auto add = [&](std::optional<ObstacleKind> truth, std::optional<ObstacleKind> told, int times) {
+    DetectionScore detection;
+    detection.true_kind = truth;
+    detection.kind = told;
+    for (int i = 0; i < times; ++i) sequence.frames[0].detections.push_back(detection);
+  };
+  EXPECT_FALSE(summarise({sequence}).kind_accuracy.has_value());
+  add(ObstacleKind::hole, ObstacleKind::hole, 5);
+  add(ObstacleKind::hole, ObstacleKind::unknown, 1);
+  add(ObstacleKind::edge, ObstacleKind::stairs_down, 2);
+  add(std::nullopt, ObstacleKind::hole, 7);  // hits nothing
+  add(ObstacleKind::hole, std::nullopt, 9);  // of an older version
+  const EvaluationSummary summary = summarise({sequence});
+  EXPECT_EQ(summary.kinds.size(), 2U);
+  EXPECT_EQ(summary.kinds.at("hole"), (std::map<std::string, int>{{"hole", 5}, {"unknown", 1}}));
+  EXPECT_EQ(summary.kinds.at("edge"), (std::map<std::string, int>{{"stairs_down", 2}}));
+  EXPECT_EQ(summary.kind_accuracy, 5.0 / 8.0);
+  const std::string text = to_text({sequence});
+  EXPECT_NE(text.find("| hole | 0 | 0 | 5 | 1 | 0.833 |\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("| edge | 2 | 0 | 0 | 0 | 0.000 |\n"), std::string::npos) << text;
 }
 
 TEST(Summary, TellsTheCeilingOfATrackerThatNeedsFiveSightings) {

@@ -115,6 +115,14 @@ TEST(JsonLine, SaysThatType2IsInferredAndItsDepthUnknown) {
   EXPECT_TRUE(obstacle["depth_m"].is_null());
 }
 
+TEST(JsonLine, TellsTheKind) {
+  Detection detection = example();
+  for (const ObstacleKind kind : {ObstacleKind::stairs_down, ObstacleKind::edge, ObstacleKind::hole, ObstacleKind::unknown}) {
+    detection.obstacles[0].candidate.kind = kind;
+    EXPECT_EQ(Json::parse(to_json_line(detection))["obstacles"][0]["kind"], to_string(kind));
+  }
+}
+
 TEST(JsonLine, TellsTheRuleThatRejected) {
   Detection detection = example();
   Candidate candidate;
@@ -171,6 +179,7 @@ std::string rich_text() {
   seen.tracks[1].candidate.type = CandidateType::no_disparity;
   seen.tracks[1].candidate.depth_m.reset();
   seen.tracks[1].candidate.contour = {{7, 8}};
+  seen.tracks[0].candidate.kind = ObstacleKind::hole;
   Candidate black;
   black.type = CandidateType::no_disparity;
   black.rejection = Rejection{"black", 31.25, 20.0};
@@ -217,6 +226,8 @@ TEST(ReadDetections, ReadsTheNumbersOfEachField) {
   EXPECT_EQ(obstacle.candidate.distance_m, 2.0);
   EXPECT_EQ(obstacle.candidate.depth_m, 0.9);
   EXPECT_EQ(obstacle.candidate.contour, (std::vector<cv::Point>{{10, 20}, {30, 20}, {30, 40}}));
+  EXPECT_EQ(obstacle.candidate.kind, ObstacleKind::unknown);
+  EXPECT_EQ(detection.tracks[0].candidate.kind, ObstacleKind::hole);
   EXPECT_FALSE(detection.tracks[1].candidate.depth_m.has_value());
   EXPECT_FALSE(detection.tracks[0].probability.has_value());
   EXPECT_TRUE(detection.rejected[1].contour_3d.empty());
@@ -349,6 +360,8 @@ TEST(ReadDetections, NamesTheFieldThatIsWrong) {
   test::expect_line_with(fault_with("/obstacles/0/depth_m", true), "obstacles[0].depth_m = true, expected a number or null");
   test::expect_line_with(fault_with("/obstacles/0/nearest", {1, 2}), "nearest = [1,2], expected three numbers");
   test::expect_line_with(fault_with("/obstacles/0/nearest", {1, 2, nullptr}), "nearest = [1,2,null], expected three numbers");
+  test::expect_line_with(fault_with("/obstacles/0/kind", "pit"),
+                         R"(obstacles[0].kind = "pit", expected unknown or stairs_down or edge or hole)");
   test::expect_line_with(fault_with("/obstacles/0/probability", 1.5), "probability = 1.5, expected a number from 0 to 1");
   test::expect_line_with(fault_with("/obstacles/0", 7), "obstacles[0] = 7, expected an object");
   test::expect_line_with(fault_with("/tracks", Json::object()), "tracks = {}, expected a list");

@@ -161,6 +161,22 @@ TEST(Tracker, FollowsARegionThatGrowsByItsRim) {
   EXPECT_EQ(paper.update({grown}, kRest, 0.1)[0].length, 1);
 }
 
+TEST(Tracker, TellsTheKindOfMostSightings) {
+  constexpr ObstacleKind kHole = ObstacleKind::hole;
+  constexpr ObstacleKind kEdge = ObstacleKind::edge;
+  constexpr ObstacleKind kUnknown = ObstacleKind::unknown;
+  const std::vector<ObstacleKind> seen{kUnknown, kEdge, kHole, kHole, kUnknown, kUnknown, kUnknown, kEdge, kEdge};
+  // Not to know is no vote; of equally many the first in ObstacleKind.
+  const std::vector<ObstacleKind> told{kUnknown, kEdge, kEdge, kHole, kHole, kHole, kHole, kEdge, kEdge};
+  Tracker tracker;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    Candidate candidate = at(0.0, 3.0);
+    candidate.kind = seen[i];
+    const std::vector<Track> tracks = tracker.update({candidate}, kRest, static_cast<double>(i) * kStep);
+    EXPECT_EQ(tracks[0].candidate.kind, told[i]) << i;
+  }
+}
+
 TEST(Tracker, KeepsTheRateWhenOneFrameIsLate) {
   Tracker tracker(TrackingParams::paper());
   (void)follow(tracker, 4, kStep);
