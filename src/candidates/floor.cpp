@@ -15,22 +15,23 @@
 namespace brink {
 namespace {
 
-constexpr double kCell = 0.12;       // m: less than half a tread, so that steps do not look like walls
+constexpr double kCell = 0.12;       // m: less than half a tread
 constexpr double kReach = 10.0;      // m from the camera: beyond that disparities tell no steps
 constexpr int kTargetPixels = 8000;  // of a region, evenly spread
 constexpr int kFewestInCell = 3;     // pixels
 constexpr std::size_t kFewestCells = 8;
 constexpr int kFewestAround = 3;      // of the 8 cells around one
-constexpr double kWallSpread = 0.12;  // m, standard deviation of the depths in one cell
-constexpr double kOnSurface = 0.10;   // m off a surface: half a step, and noise
-constexpr double kFirstStep = 0.35;   // m: the highest tread that is seen lies no deeper
-constexpr double kFlight = 0.45;      // m: three steps of 15 cm
+constexpr double kWallSpread = 0.12;  // m, standard deviation of the depths in a cell: two treads have 0.11 at most
+
 constexpr double kLeastSlope = 20.0;  // degrees
 constexpr double kGreatestSlope = 42.0;
-constexpr double kLeastSine =
-    0.10;  // of the angle under which a surface is seen: what a matcher smears from a rim down has none
-constexpr double kTail = 0.05;
-constexpr double kQuarter = 0.4;  // of a flight's height, in which at least a quarter of it must lie, at either end
+constexpr double kOnSurface = 0.10;  // m off a surface: half a step, and noise
+// Of the angle between a surface and the ray that sees it. What a matcher smears from a rim down to a bottom lies along rays.
+constexpr double kLeastSine = 0.10;
+constexpr double kFirstStep = 0.35;  // m: the highest tread that is seen lies no deeper
+constexpr double kFlight = 0.45;     // m: three steps of 15 cm
+constexpr double kTail = 0.05;       // share of a flight's places that may be anything, at either end
+constexpr double kQuarter = 0.4;     // of a flight's height, from either end, in which at least a quarter of its places lie
 constexpr int kHypotheses = 300;
 constexpr std::size_t kMostCells = 300;  // that hypotheses are tested on
 
@@ -125,8 +126,7 @@ class DepthCounts {
   int all_ = 0;
 };
 
-/// Whether depths fall from near the ground by a flight, and evenly: a wall and a bottom do not. The outermost twentieth may be
-/// anything.
+/// Whether depths fall from near the ground by a flight, and evenly: a wall and a bottom do not.
 bool is_flight(const DepthCounts& depths) {
   const double first = depths.quantile(kTail);
   const double fall = depths.quantile(1.0 - kTail) - first;
@@ -144,7 +144,9 @@ int count_on_stairs(const std::vector<Place>& places, double height_m) {
   const auto draw = [&] { return places[random() % places.size()]; };
   for (int i = 0; i < kHypotheses; ++i) {
     const Place a = draw();
-    const Place normal = (draw() - a).cross(draw() - a);
+    const Place b = draw();
+    const Place c = draw();
+    const Place normal = (b - a).cross(c - a);
     const double steepness = normal.head<2>().norm() / std::abs(normal.z());  // of a plane through one place twice: no number
     if (!(steepness >= least && steepness <= greatest)) continue;
     const Place ray = a - Place(0.0, 0.0, -height_m);

@@ -280,5 +280,26 @@ TEST(EvaluationParams, AreRefusedByNameAndValue) {
   test::expect_line_with(test::error_of<std::invalid_argument>([&] { params.validate(); }), "evaluation.settle_s = nan");
 }
 
+TEST(SequenceEvaluator, TellsTheKindOfWhatADetectionHits) {
+  VisibleInstance hole = make_instance(1, 2.0);
+  VisibleInstance stairs = make_instance(2, 2.0);
+  hole.kind = ObstacleKind::hole;
+  stairs.kind = ObstacleKind::stairs_down;
+  const VisibleInstance other = make_instance(3, 2.0);  // of a kind that is not known
+  NegativeObstacle told = on(1);
+  told.candidate.kind = ObstacleKind::edge;
+  const cv::Rect over_both = test::place_of(1) | test::place_of(2);
+  SequenceEvaluator evaluator("walk");
+  evaluator.add(make_truth(0, {hole, stairs, other}),
+                make_detection(0, {told, on(2), on(3), off(), make_obstacle(over_both, 2.0)}));
+  const std::vector<DetectionScore> scores = evaluator.finish().frames[0].detections;
+  EXPECT_EQ(scores[0].kind, ObstacleKind::edge);
+  EXPECT_EQ(scores[0].true_kind, ObstacleKind::hole);
+  EXPECT_EQ(scores[1].true_kind, ObstacleKind::stairs_down);
+  EXPECT_FALSE(scores[2].true_kind.has_value());
+  EXPECT_FALSE(scores[3].true_kind.has_value());
+  EXPECT_FALSE(scores[4].true_kind.has_value());  // it hits two kinds
+}
+
 }  // namespace
 }  // namespace brink

@@ -148,6 +148,20 @@ TEST_F(WrittenTruth, KnowsNoDistanceOfAnInstanceWithoutARim) {
   EXPECT_FALSE(frame.instances[0].distance_m.has_value());
 }
 
+TEST_F(WrittenTruth, KnowsTheKindOfEveryType) {
+  const std::vector<std::pair<std::string, ObstacleKind>> kinds{{"stairs_down", ObstacleKind::stairs_down},
+                                                                {"platform_edge", ObstacleKind::edge},
+                                                                {"curb", ObstacleKind::edge},
+                                                                {"manhole", ObstacleKind::hole},
+                                                                {"trench", ObstacleKind::hole},
+                                                                {"pothole", ObstacleKind::hole},
+                                                                {"lower_ground", ObstacleKind::hole}};
+  for (const auto& [type, kind] : kinds) {
+    replace("instances.yaml", "- {id: 7, type: " + type + ", depth_m: 0.5}\n");
+    EXPECT_EQ(open().read(0).instances[0].kind, kind) << type;
+  }
+}
+
 TEST_F(WrittenTruth, TakesTheNumberAsTimeWithoutTimes) {
   std::filesystem::remove(path("times.txt"));
   EXPECT_EQ(open().read(3).time, 3.0);
