@@ -25,7 +25,7 @@ constexpr double kBottomShare = 0.40;      // one level below an edge
 }  // namespace
 
 std::optional<double> compute_ground_share(const Region& region, const cv::Mat1b& none, const cv::Mat1f& elevation, int gap_px,
-                                           double tolerance_m) {
+                                           double lowest_m, double highest_m) {
   // Without what the region surrounds: specks inside are noise.
   Region filled = region;
   filled.mask = cv::Mat1b(region.mask.size(), uchar{0});
@@ -33,7 +33,8 @@ std::optional<double> compute_ground_share(const Region& region, const cv::Mat1b
   cv::drawContours(filled.mask, outline, -1, cv::Scalar(255), cv::FILLED, cv::LINE_8, cv::noArray(), 0, -region.box.tl());
   const std::vector<cv::Point> ring = ring_pixels(filled, none, gap_px);
   if (ring.size() < kFewestBorderPixels) return std::nullopt;
-  const auto is_ground = [&](const cv::Point& p) { return std::abs(elevation(p)) <= tolerance_m; };  // NaN is not
+  // What is not known compares false.
+  const auto is_ground = [&](const cv::Point& p) { return elevation(p) >= lowest_m && elevation(p) <= highest_m; };
   return static_cast<double>(std::ranges::count_if(ring, is_ground)) / static_cast<double>(ring.size());
 }
 
@@ -57,8 +58,9 @@ ObstacleKind tell_kind(const Candidate& candidate, const Region& region, const c
   if (is_deep) floor = measure_floor(region, disparity, elevation, camera, pose);
   if (floor.stairs_share >= std::max(kStairsShare, kStairsOverLevel * floor.level_share)) return ObstacleKind::stairs_down;
 
-  const double tolerance_m = candidate.depth_m ? std::min(kRimShare * depth_m, kRimDepth) : kRimDepth;
-  const std::optional<double> ground_share = compute_ground_share(region, none, elevation, params.touching_gap_px, tolerance_m);
+  const double lowest_m = -(candidate.depth_m ? std::min(kRimShare * depth_m, kRimDepth) : kRimDepth);
+  const std::optional<double> ground_share =
+      compute_ground_share(region, none, elevation, params.touching_gap_px, lowest_m, params.ground_tolerance_m);
   if (!ground_share) return ObstacleKind::unknown;
   const double length_m = compute_opening_length_m(candidate.rim, pose);
   if (*ground_share >= kClosedShare) return is_deep && length_m > kHoleLength ? ObstacleKind::unknown : ObstacleKind::hole;

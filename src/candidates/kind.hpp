@@ -15,10 +15,10 @@ namespace brink {
 /// How much of a region's outer border is ground, as far as it is in the picture: 1 = ground all around.
 /// @param none 255 = no disparity. @param elevation over the ground, m, NaN = none. Both of the picture's size.
 /// @param gap_px without disparity that are crossed, at most; what is behind a wider gap is not known to be ground.
-/// @param tolerance_m ground is this near to the ground's height.
+/// @param lowest_m, highest_m heights of what is ground.
 /// @return share of the pixels beside the border, 0 to 1; empty when these are fewer than 20.
 std::optional<double> compute_ground_share(const Region& region, const cv::Mat1b& none, const cv::Mat1f& elevation, int gap_px,
-                                           double tolerance_m);
+                                           double lowest_m, double highest_m);
 
 /// The longer side of the smallest rectangle around an opening, seen from above, m; 0 without points.
 double compute_opening_length_m(const std::vector<Eigen::Vector3d>& rim, const GroundPose& pose);

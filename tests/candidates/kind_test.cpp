@@ -177,7 +177,7 @@ TEST_F(Kind, RejectedRegionsHaveNone) {
 class GroundShare : public testing::Test {
  protected:
   [[nodiscard]] std::optional<double> share() const {
-    return compute_ground_share(find_regions(cv::Mat1b(elevation_ < -0.3F), 1).at(0), none_, elevation_, 3, 0.06);
+    return compute_ground_share(find_regions(cv::Mat1b(elevation_ < -0.3F), 1).at(0), none_, elevation_, 3, -0.06, 0.10);
   }
   cv::Mat1f elevation_ = cv::Mat1f(60, 80, 0.0F);
   cv::Mat1b none_ = cv::Mat1b(60, 80, uchar{0});
@@ -193,7 +193,7 @@ TEST_F(GroundShare, IsOneInTheGroundWhateverIsInside) {
 
 TEST_F(GroundShare, CountsWhatIsHigherLowerOrUnknownAsNoGround) {
   elevation_(inside_).setTo(-0.5F);
-  elevation_(cv::Rect(19, 19, 42, 1)).setTo(0.07F);  // 42 of the 2 * 42 + 2 * 20 pixels around
+  elevation_(cv::Rect(19, 19, 42, 1)).setTo(0.11F);  // 42 of the 2 * 42 + 2 * 20 pixels around
   EXPECT_EQ(share(), 82.0 / 124.0);
   elevation_(cv::Rect(19, 40, 42, 1)).setTo(-0.07F);
   EXPECT_EQ(share(), 40.0 / 124.0);
