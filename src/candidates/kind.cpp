@@ -1,7 +1,6 @@
 #include "candidates/kind.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <opencv2/imgproc.hpp>
 
@@ -11,7 +10,7 @@ namespace brink {
 namespace {
 
 constexpr std::size_t kFewestBorderPixels = 20;
-constexpr double kClosedShare = 0.85;  // of the border: holes have 92 % and more, edges 79 % and less
+constexpr double kClosedShare = 0.85;  // of the border: holes have 93 % and more, edges 79 % and less
 constexpr double kRimShare = 0.4;      // of its depth that a rim may lie down, as regions are drawn out,
 constexpr double kRimDepth = 0.06;     // m, but never more than this
 constexpr double kEdgeLength = 2.0;    // m, at least
