@@ -131,6 +131,8 @@ Detection Detector::process(const Frame& frame) {
     sort_out(select_below_ground(frame, detection.disparity, detection.elevation, ground, params_.candidates), detection);
     detection.times.below_ground = stage.lap_ms();
     sort_out(select_no_disparity(frame, detection.disparity, detection.elevation, ground, params_.candidates), detection);
+    detection.candidates = merge_parts(std::move(detection.candidates), detection.elevation, detection.ground.pose,
+                                       frame.camera, params_.candidates);
     detection.times.no_disparity = stage.lap_ms();
   } else {
     detection.times.ground = stage.lap_ms();
@@ -188,6 +190,7 @@ void Detector::report(const Frame& frame, Detection& detection) {
       const NegativeObstacle obstacle{.id = static_cast<int>(detection.obstacles.size() + detection.tracks.size()) + 1,
                                       .candidate = candidate,
                                       .track_length = 1,
+                                      .unseen_s = 0.0,
                                       .probability = {}};
       (in_range(candidate) ? detection.obstacles : detection.tracks).push_back(obstacle);
     }
@@ -195,9 +198,18 @@ void Detector::report(const Frame& frame, Detection& detection) {
   }
   std::optional<Eigen::Isometry3d> current_from_previous;
   if (detection.ego_motion.motion) current_from_previous = detection.ego_motion.motion->current_from_previous;
-  for (const Track& track : tracker_.update(detection.candidates, current_from_previous, frame.time)) {
-    const NegativeObstacle obstacle{
-        .id = track.id, .candidate = track.candidate, .track_length = track.length, .probability = {}};
+  std::optional<FrameView> view;
+  if (detection.ground.plane) {
+    const double level_m = params_.candidates.ground_tolerance_m;
+    const cv::Mat1b level((detection.elevation > -level_m) & (detection.elevation < level_m));
+    view = FrameView{.camera = frame.camera, .ground = detection.ground.pose, .level = level};
+  }
+  for (const Track& track : tracker_.update(detection.candidates, current_from_previous, frame.time, view)) {
+    const NegativeObstacle obstacle{.id = track.id,
+                                    .candidate = track.candidate,
+                                    .track_length = track.length,
+                                    .unseen_s = track.unseen_s,
+                                    .probability = {}};
     (track.validated && in_range(track.candidate) ? detection.obstacles : detection.tracks).push_back(obstacle);
   }
 }

@@ -45,6 +45,7 @@ struct NegativeObstacle {
   int id = 0;  ///< unique in its run; for stills unique in its frame
   Candidate candidate;
   int track_length = 1;               ///< sightings in a row
+  double unseen_s = 0.0;              ///< since the last sighting; > 0: it is remembered, not seen in this frame
   std::optional<double> probability;  ///< that it is there, 0..1; empty when it is not known
 };
 

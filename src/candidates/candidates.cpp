@@ -105,21 +105,15 @@ void measure_contour(Candidate& candidate, const cv::Mat1f& disparity, const Ste
 void measure_rim(Candidate& candidate, const std::vector<cv::Point>& outline, const GroundSurface& ground,
                  const StereoCamera& camera) {
   const GroundPose& pose = ground.pose;
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d>& rim = candidate.rim;
   for (const cv::Point& p : outline) {
-    if (const auto point = ground.intersect(p.x, p.y, camera)) {
-      rim.push_back(*point);
-      middle += *point;
-    }
+    if (const auto point = ground.intersect(p.x, p.y, camera)) rim.push_back(*point);
   }
   if (rim.empty()) return;
   candidate.rim_nearest = *std::ranges::min_element(rim, {}, [&](const auto& point) { return pose.distance(point); });
   candidate.distance_m = pose.distance(candidate.rim_nearest);
   candidate.bearing_deg = pose.bearing_deg(candidate.rim_nearest);
-  const Eigen::Vector3d across = pose.down.cross(middle).normalized();
-  const auto [left, right] = std::ranges::minmax(rim, {}, [&](const auto& point) { return across.dot(point); });
-  candidate.width_m = across.dot(right - left);
+  candidate.width_m = compute_width(rim, pose);
 }
 
 cv::Scalar compute_mean_color(const Frame& frame, const Region& region) {
@@ -182,6 +176,15 @@ Candidate measure(const Frame& frame, const Region& region, CandidateType type, 
 
 std::string to_string(CandidateType type) { return type == CandidateType::below_ground ? "below_ground" : "no_disparity"; }
 
+double compute_width(const std::vector<Eigen::Vector3d>& rim, const GroundPose& pose) {
+  if (rim.empty()) return 0.0;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& point : rim) middle += point;
+  const Eigen::Vector3d across = pose.down.cross(middle).normalized();
+  const auto [left, right] = std::ranges::minmax(rim, {}, [&](const auto& point) { return across.dot(point); });
+  return across.dot(right - left);
+}
+
 CandidateParams CandidateParams::paper() {
   CandidateParams params;
   params.measured_depth_ratio = 1.0;
@@ -194,6 +197,7 @@ CandidateParams CandidateParams::paper() {
   params.max_share_standing = 1.0;
   params.touching_gap_px = 0;
   params.border_px = 0;
+  params.merge_gap_m = 0.0;
   return params;
 }
 
@@ -219,6 +223,7 @@ void CandidateParams::validate() const {
   require_param(min_touching_px >= 0, "min_touching_px", min_touching_px, "0 or more");
   require_param(black_level >= 0.0 && black_level <= 255.0, "black_level", black_level, "0 to 255");
   require_param(border_px >= 0 && border_px <= 1000, "border_px", border_px, "0 to 1000");
+  require_param(merge_gap_m >= 0.0 && merge_gap_m <= 10.0, "merge_gap_m", merge_gap_m, "0 to 10");
   require_param(max_range_m > 0.0 && max_range_m <= 1000.0, "max_range_m", max_range_m, "above 0 to 1000");
   require_param(min_listed_area_px >= 1, "min_listed_area_px", min_listed_area_px, "1 or more");
 }

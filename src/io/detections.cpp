@@ -43,8 +43,11 @@ Json ground(const GroundEstimate& estimate) {
   return json;
 }
 
-// Type 2 is only inferred: nothing of the hole itself was measured.
-const char* evidence(CandidateType type) { return type == CandidateType::below_ground ? "observed" : "inferred"; }
+// Type 2 is only inferred: nothing of the hole itself was measured. So is what this frame does not show.
+const char* evidence(const NegativeObstacle& obstacle) {
+  const bool observed = obstacle.candidate.type == CandidateType::below_ground && obstacle.unseen_s == 0.0;
+  return observed ? "observed" : "inferred";
+}
 
 /// The pixels at which a closed chain of neighbouring pixels changes direction: filled, they are the same region in a fraction
 /// of the text.
@@ -62,7 +65,7 @@ Json obstacle(const NegativeObstacle& obstacle) {
   const Candidate& candidate = obstacle.candidate;
   Json json = {{"id", obstacle.id},
                {"type", to_string(candidate.type)},
-               {"evidence", evidence(candidate.type)},
+               {"evidence", evidence(obstacle)},
                {"kind", "unknown"},
                {"rim_nearest", point(candidate.rim_nearest)},
                {"distance_m", rounded(candidate.distance_m, kMetreDigits)},
@@ -74,6 +77,12 @@ Json obstacle(const NegativeObstacle& obstacle) {
                {"area_px", candidate.area_px},
                {"contour", contour_corners(candidate.contour)},
                {"track_length", obstacle.track_length}};
+  if (!candidate.types.empty()) {
+    Json types = Json::array();
+    for (const CandidateType type : candidate.types) types.push_back(to_string(type));
+    json["types"] = types;
+  }
+  if (obstacle.unseen_s > 0.0) json["unseen_s"] = rounded(obstacle.unseen_s, kTimeDigits);
   if (obstacle.probability) json["probability"] = rounded(*obstacle.probability, kShareDigits);
   return json;
 }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -124,8 +125,22 @@ std::vector<cv::Point> read_contour(const Node& node) {
   return contour;
 }
 
-CandidateType read_type(const Node& node) {
-  return read_choice(node, "type", std::array{CandidateType::below_ground, CandidateType::no_disparity});
+constexpr std::array kTypes{CandidateType::below_ground, CandidateType::no_disparity};
+
+/// Of a merged obstacle; empty where none are told.
+std::vector<CandidateType> read_types(const Node& node) {
+  constexpr const char* kName = "types";
+  std::vector<CandidateType> types;
+  if (!node.object.contains(kName)) return types;
+  const Json& list = node.object.at(kName);
+  if (!list.is_array()) fail(node.way + kName, list, "a list of types");
+  for (const Json& value : list) {
+    const auto type = std::ranges::find_if(kTypes, [&value](CandidateType one) { return value == to_string(one); });
+    if (type == kTypes.end())
+      fail(fmt::format("{}{}[{}]", node.way, kName, types.size()), value, "below_ground or no_disparity");
+    types.push_back(*type);
+  }
+  return types;
 }
 
 std::optional<double> read_probability(const Node& node) {
@@ -141,9 +156,11 @@ NegativeObstacle read_obstacle(const Node& node) {
   NegativeObstacle obstacle;
   obstacle.id = read_count(node, "id");
   obstacle.track_length = read_count(node, "track_length");
+  if (node.object.contains("unseen_s")) obstacle.unseen_s = read_number(node, "unseen_s");
   obstacle.probability = read_probability(node);
   Candidate& candidate = obstacle.candidate;
-  candidate.type = read_type(node);
+  candidate.type = read_choice(node, "type", kTypes);
+  candidate.types = read_types(node);
   candidate.area_px = read_count(node, "area_px");
   candidate.contour = read_contour(node);
   candidate.centroid = read_point(node, "centroid");
@@ -158,7 +175,7 @@ NegativeObstacle read_obstacle(const Node& node) {
 
 Candidate read_rejected(const Node& node) {
   Candidate candidate;
-  candidate.type = read_type(node);
+  candidate.type = read_choice(node, "type", kTypes);
   candidate.area_px = read_count(node, "area_px");
   candidate.rejection = Rejection{read_text(node, "rule"), read_number(node, "value"), read_number(node, "limit")};
   // A centroid is the mean of the contour's points: where there is one there were such points.
