@@ -209,7 +209,7 @@ void Detector::report(const Frame& frame, Detection& detection) {
                                     .candidate = track.candidate,
                                     .track_length = track.length,
                                     .unseen_s = track.unseen_s,
-                                    .probability = {}};
+                                    .probability = track.probability};
     (track.validated && in_range(track.candidate) ? detection.obstacles : detection.tracks).push_back(obstacle);
   }
 }

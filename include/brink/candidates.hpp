@@ -55,6 +55,18 @@ struct Rejection {
   double limit = 0.0;
 };
 
+/// What the rules measured of a region, for and against it.
+struct Measures {
+  double sigmas = 0.0;          ///< Type 1: half of its deep part lies at least so many standard deviations below the ground
+  double ground_misfit = 0.0;   ///< Type 1: by what share the ground explains the pictures worse, 0..1
+  double roughness = 0.0;       ///< Type 1: scatter of its disparities in that of the ground
+  double agreement = 0.0;       ///< Type 1: of both pictures about it, -1..1
+  double slope_deg = 0.0;       ///< Type 1: at its rim
+  double share_beyond = 0.0;    ///< Type 1: what of it lies beyond its far rim
+  double ground_share = 0.0;    ///< of its border with a disparity: at the height of the ground
+  double standing_share = 0.0;  ///< of its border with a disparity: above the ground
+};
+
 /// A region that may be a negative obstacle. Points in the left camera frame, m.
 struct Candidate {
   CandidateType type = CandidateType::below_ground;
@@ -70,6 +82,7 @@ struct Candidate {
   double bearing_deg = 0.0;                               ///< of rim_nearest, positive right
   std::optional<double> depth_m;                          ///< below the ground, > 0; empty for Type 2: its bottom is not seen
   double width_m = 0.0;                ///< extent of the opening across the line of sight, in the ground plane
+  Measures measures;                   ///< those whose rule is in use; of a merged one the larger part's
   cv::Scalar mean_color;               ///< B, G, R of the left picture (grey pictures: three times grey; none: 0)
   std::optional<Rejection> rejection;  ///< empty = candidate; the first rule that failed otherwise
 };

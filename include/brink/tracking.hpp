@@ -13,14 +13,15 @@ namespace brink {
 
 struct TrackingParams {
   double association_radius_m = 0.5;  ///< a candidate is the same as one whose place was this near a frame ago
-  bool associate_rims = true;       ///< places are compared by the nearest point of the rim, too, and by where openings overlap
-  double max_unseen_s = 0.2;        ///< a track that is not seen lives on for this long; 0 = it ends with the first frame
-  double max_coast_s = 1.0;         ///< a validated one is told so long unseen, no longer than it was seen, while nothing
-                                    ///< contradicts it; 0 = never
-  double validation_s = 1.0 / 3.0;  ///< a candidate is validated when it was seen for this long: 5 frames at 15 fps
-  int min_sightings = 3;            ///< ... but never before it was seen so often
-  static TrackingParams paper();    ///< without what brink adds: associate_rims false, max_unseen_s 0, max_coast_s 0
-  void validate() const;            ///< @throws std::invalid_argument "tracking.name = value, must be ..."
+  bool associate_rims = true;     ///< places are compared by the nearest point of the rim, too, and by where openings overlap
+  double max_unseen_s = 0.2;      ///< a track that is not seen lives on for this long; 0 = it ends with the first frame
+  double max_coast_s = 1.0;       ///< a validated one is told so long unseen, no longer than it was seen, while nothing
+                                  ///< contradicts it; 0 = never
+  double validation_s = 0.2;      ///< a candidate is validated when it was seen for this long, 3 frames at 15 fps,
+  int min_sightings = 3;          ///< ... but never before it was seen so often,
+  double min_probability = 0.6;   ///< ... and not unless this is its probability; 0 = whatever it is, and none is told
+  static TrackingParams paper();  ///< 5 frames at 15 fps, without what brink adds: associate_rims false, all others 0
+  void validate() const;          ///< @throws std::invalid_argument "tracking.name = value, must be ..."
 };
 
 /// A candidate that is followed from frame to frame.
@@ -30,6 +31,8 @@ struct Track {
   int length = 1;       ///< sightings, this frame's included; in a row but for the gaps that params allow
   bool validated = false;
   double unseen_s = 0.0;  ///< since the last sighting; 0 = this frame shows it
+  double evidence = 0.0;  ///< log-odds that one sighting gives, averaged over its sightings, the last ones weighing most
+  std::optional<double> probability;  ///< that it is there, 0..1; empty when params ask for none
 };
 
 /// What a frame shows besides its candidates: enough to tell an obstacle that is hidden, or missed, from one that is not there.
@@ -54,7 +57,7 @@ class Tracker {
   /// @param current_from_previous left camera frames of the last call and of this one; empty when the motion is not known: then
   ///        all tracks end, and every candidate begins anew.
   /// @param time s. The frame rate follows from the times of the last calls: at f frames per second max(min_sightings,
-  ///        round(f validation_s)) sightings validate.
+  ///        round(f validation_s)) sightings validate, if its probability does.
   /// @param view empty = the ground was not visible: nothing coasts in this frame.
   /// @throws std::invalid_argument when times do not increase.
   std::vector<Track> update(const std::vector<Candidate>& candidates,
@@ -80,6 +83,7 @@ class Tracker {
              std::vector<Track>& tracks, std::vector<Memory>& memories) const;
   [[nodiscard]] std::optional<double> typical_step() const;
   [[nodiscard]] int required_sightings() const;
+  void judge(Track& track) const;
 
   TrackingParams params_;
   std::vector<Memory> memories_;

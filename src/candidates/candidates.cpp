@@ -145,6 +145,31 @@ double compute_depth(const Region& region, const cv::Mat1f& elevation) {
   return *place;
 }
 
+/// How many standard deviations half of the deep part lies below the ground, at least.
+double compute_sigmas(const cv::Mat1b& deep, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
+                      const GroundSurface& ground) {
+  std::vector<double> sigmas;
+  for (int v = 0; v < deep.rows; ++v) {
+    for (int u = 0; u < deep.cols; ++u) {
+      if (deep(v, u) == 0) continue;
+      const double sd_m = ground.pose.height_m * ground.disparity_sd_px / disparity(v, u);
+      sigmas.push_back(-elevation(v, u) / sd_m);
+    }
+  }
+  if (sigmas.empty()) return 0.0;
+  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+  std::ranges::nth_element(sigmas, middle);
+  return *middle;
+}
+
+Measures measure_border(const Touching& touching) {
+  Measures measures;
+  if (touching.valid == 0) return measures;
+  measures.ground_share = static_cast<double>(touching.ground) / touching.valid;
+  measures.standing_share = static_cast<double>(touching.above_ground) / touching.valid;
+  return measures;
+}
+
 /// Notes the first rule that fails.
 void require(Candidate& candidate, const char* rule, bool passed, double value, double limit) {
   if (!passed && !candidate.rejection) candidate.rejection = Rejection{rule, value, limit};
@@ -257,21 +282,29 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
     const Touching touching = count_touching(region, none, disparity, elevation, params);
     require(candidate, "area", deep_px > params.below_ground_min_area_px, deep_px, params.below_ground_min_area_px);
     require(candidate, "touches_ground", touching.ground >= params.min_touching_px, touching.ground, params.min_touching_px);
+    Measures& measures = candidate.measures;
+    measures = measure_border(touching);
+    measures.sigmas = compute_sigmas(deep_here, disparity, elevation, ground);
     if (params.min_slope_deg > 0.0) {
       const double slope_deg = compute_rim_slope_deg(region, deep, level, disparity, frame.camera, pose);
+      measures.slope_deg = slope_deg;
       require(candidate, "slope", slope_deg >= params.min_slope_deg, slope_deg, params.min_slope_deg);
     }
     if (params.max_share_beyond < 1.0) {
       const double beyond = compute_share_beyond_rim(region, level, disparity, frame.camera, pose, ground.disparity_sd_px);
+      measures.share_beyond = beyond;
       require(candidate, "beyond_rim", beyond <= params.max_share_beyond, beyond, params.max_share_beyond);
     }
     if (params.max_roughness > 0.0) {
       const double roughness = compute_roughness_px(deep_here, disparity) / ground_roughness_px;
-      const double limit = params.max_roughness * allowance(compute_agreement(frame, deep_here, disparity));
+      measures.roughness = roughness;
+      measures.agreement = compute_agreement(frame, deep_here, disparity);
+      const double limit = params.max_roughness * allowance(measures.agreement);
       require(candidate, "rough", roughness <= limit, roughness, limit);
     }
     if (params.min_ground_misfit > 0.0) {
       const double misfit = compute_ground_misfit(frame, deep_here, disparity, elevation, pose);
+      measures.ground_misfit = misfit;
       require(candidate, "like_ground", misfit >= params.min_ground_misfit, misfit, params.min_ground_misfit);
     }
     candidates.push_back(std::move(candidate));
@@ -294,6 +327,7 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
   for (const Region& region : find_regions(mask, params.min_listed_area_px)) {
     Candidate candidate = measure(frame, region, CandidateType::no_disparity, disparity, ground);
     const Touching touching = count_touching(region, none, disparity, elevation, params);
+    candidate.measures = measure_border(touching);
     const int surface = touching.ground + touching.below_ground;
     const double brightest = std::max({candidate.mean_color[0], candidate.mean_color[1], candidate.mean_color[2]});
     require(candidate, "area", region.area_px > params.no_disparity_min_area_px, region.area_px,
@@ -302,7 +336,7 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
     require(candidate, "touches_ground", surface >= params.min_touching_px, surface, params.min_touching_px);
     require(candidate, "black", brightest <= params.black_level, brightest, params.black_level);
     if (params.max_share_standing < 1.0) {
-      const double standing = touching.valid == 0 ? 0.0 : static_cast<double>(touching.above_ground) / touching.valid;
+      const double standing = candidate.measures.standing_share;
       require(candidate, "standing", standing <= params.max_share_standing, standing, params.max_share_standing);
     }
     require(candidate, "contour", !candidate.contour_3d.empty(), 0.0, 1.0);

@@ -89,7 +89,7 @@ std::pair<cv::Point, cv::Point> find_bridge(const std::vector<cv::Point>& from, 
 /// One outline around both, which a bridge connects.
 std::vector<cv::Point> join_contours(const std::vector<cv::Point>& a, const std::vector<cv::Point>& b) {
   constexpr int kBridgeWidth = 3;  // px
-  const cv::Rect box = widened(cv::boundingRect(a) | cv::boundingRect(b), kBridgeWidth);
+  const cv::Rect box = cv::boundingRect(a) | cv::boundingRect(b);
   cv::Mat1b mask(box.size(), uchar{0});
   cv::fillPoly(mask, std::vector{a}, cv::Scalar(255), cv::LINE_8, 0, -box.tl());
   cv::fillPoly(mask, std::vector{b}, cv::Scalar(255), cv::LINE_8, 0, -box.tl());
@@ -136,7 +136,8 @@ std::vector<Candidate> merge_parts(std::vector<Candidate> candidates, const cv::
   if (params.merge_gap_m <= 0.0 || candidates.size() < 2) return candidates;
   // NaN compares false both ways: where nothing is known a part may go on.
   const cv::Mat1b level((elevation < params.ground_tolerance_m) & (elevation > -params.ground_tolerance_m));
-  const std::vector<std::size_t> group = find_groups(candidates, ~level, camera, params.merge_gap_m);
+  const cv::Mat1b passable(~level);
+  const std::vector<std::size_t> group = find_groups(candidates, passable, camera, params.merge_gap_m);
   std::vector<Candidate> merged;
   std::vector<std::size_t> place(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {

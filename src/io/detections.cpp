@@ -61,6 +61,17 @@ Json contour_corners(const std::vector<cv::Point>& chain) {
   return corners;
 }
 
+Json measures(const Measures& measures) {
+  return {{"sigmas", rounded(measures.sigmas, kShareDigits)},
+          {"ground_misfit", rounded(measures.ground_misfit, kShareDigits)},
+          {"roughness", rounded(measures.roughness, kShareDigits)},
+          {"agreement", rounded(measures.agreement, kShareDigits)},
+          {"slope_deg", rounded(measures.slope_deg, kShareDigits)},
+          {"share_beyond", rounded(measures.share_beyond, kShareDigits)},
+          {"ground_share", rounded(measures.ground_share, kShareDigits)},
+          {"standing_share", rounded(measures.standing_share, kShareDigits)}};
+}
+
 Json obstacle(const NegativeObstacle& obstacle) {
   const Candidate& candidate = obstacle.candidate;
   Json json = {{"id", obstacle.id},
@@ -75,6 +86,7 @@ Json obstacle(const NegativeObstacle& obstacle) {
                {"depth_m", candidate.depth_m ? rounded(*candidate.depth_m, kMetreDigits) : Json()},
                {"width_m", rounded(candidate.width_m, kMetreDigits)},
                {"area_px", candidate.area_px},
+               {"measures", measures(candidate.measures)},
                {"contour", contour_corners(candidate.contour)},
                {"track_length", obstacle.track_length}};
   if (!candidate.types.empty()) {

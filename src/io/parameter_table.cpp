@@ -190,6 +190,8 @@ std::vector<ParameterEntry> tracking_table(TrackingParams& p) {
       {"tracking.max_coast_s", &p.max_coast_s, "s",
        "a validated track is told for this long unseen, while nothing contradicts it; 0 = never"},
       {"tracking.validation_s", &p.validation_s, "s", "a candidate is validated when it was seen in a row for this long"},
+      {"tracking.min_probability", &p.min_probability, "",
+       "a candidate is not validated below this probability; 0 = whatever it is, and none is told"},
       {"tracking.min_sightings", &p.min_sightings, "", "but never before it was seen so often"},
   };
 }

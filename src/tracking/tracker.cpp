@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "brink/tracking.hpp"
+#include "candidates/evidence.hpp"
 #include "tracking/opening.hpp"
 
 namespace brink {
@@ -17,12 +18,14 @@ namespace {
 
 constexpr std::size_t kRememberedSteps = 15;  // enough for a median that single late frames do not move
 
-constexpr double kTolerance = 1e-9;     // s
-constexpr double kContradiction = 0.5;  // share of an opening that is seen to be ground: it is none
-constexpr double kTellingDepth = 0.15;  // m: a pixel that would be less far down tells nothing
-constexpr double kLeastDistance = 0.1;  // m
-constexpr int kLeastTelling = 30;       // px
-constexpr double kLeastArea = 50.0;     // px of an opening in view
+constexpr double kUsualStep = 1.0 / 15.0;  // s, of the walks that the probability was fitted to
+constexpr double kNewest = 0.3;            // share of the newest sighting in a track's evidence
+constexpr double kTolerance = 1e-9;        // s
+constexpr double kContradiction = 0.5;     // share of an opening that is seen to be ground: it is none
+constexpr double kTellingDepth = 0.15;     // m: a pixel that would be less far down tells nothing
+constexpr double kLeastDistance = 0.1;     // m
+constexpr int kLeastTelling = 30;          // px
+constexpr double kLeastArea = 50.0;        // px of an opening in view
 
 void move(std::vector<Eigen::Vector3d>& points, const Eigen::Isometry3d& to_from) {
   for (Eigen::Vector3d& point : points) point = to_from * point;
@@ -94,6 +97,8 @@ TrackingParams TrackingParams::paper() {
   params.associate_rims = false;
   params.max_unseen_s = 0.0;
   params.max_coast_s = 0.0;
+  params.validation_s = 1.0 / 3.0;
+  params.min_probability = 0.0;
   return params;
 }
 
@@ -107,6 +112,7 @@ void TrackingParams::validate() const {
   check("max_coast_s", max_coast_s, 0.0, 60.0);
   check("validation_s", validation_s, 0.0, 60.0);
   check("min_sightings", min_sightings, 1, 1000);
+  check("min_probability", min_probability, 0.0, 1.0);
 }
 
 /// A candidate of this frame going on with a memory.
@@ -140,16 +146,19 @@ std::vector<Track> Tracker::update(const std::vector<Candidate>& candidates,
   std::vector<Track> tracks;
   std::vector<Memory> memories;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    Track track{.id = 0, .candidate = candidates[i], .length = 1, .validated = false, .unseen_s = 0.0};
+    Track track;
+    track.candidate = candidates[i];
+    track.evidence = compute_evidence(candidates[i]);
     std::vector<Eigen::Vector3d> rim = candidates[i].rim;
     if (links[i]) {
       const Memory& memory = memories_[links[i]->memory];
       track.length = memory.track.length + 1;
+      track.evidence = kNewest * track.evidence + (1.0 - kNewest) * memory.track.evidence;
       if (view) append_out_of_view(rim, memory.opening, *view);
     }
     const bool keeps_id = links[i] && heirs.at(links[i]->memory) == i;
     track.id = keeps_id ? memories_[links[i]->memory].track.id : ++last_id_;
-    track.validated = track.length >= required_sightings();
+    judge(track);
     memories.push_back({track, compute_hull(rim), time});
     tracks.push_back(std::move(track));
   }
@@ -184,8 +193,10 @@ void Tracker::coast(const std::map<std::size_t, std::size_t>& heirs, double time
     const Memory& memory = memories_[i];
     const double unseen_s = time - memory.seen;
     const bool young = unseen_s <= params_.max_unseen_s + kTolerance;
-    const double coast_s = std::min(params_.max_coast_s, memory.track.length * typical_step().value_or(0.0));
-    const bool coasting = memory.track.validated && unseen_s <= coast_s + kTolerance;
+    Track track = memory.track;
+    track.unseen_s = unseen_s;
+    judge(track);
+    const bool coasting = track.validated && unseen_s <= params_.max_coast_s + kTolerance;
     if (heirs.contains(i) || !(young || coasting)) continue;
     if (!coasting || !view) {
       memories.push_back(memory);
@@ -197,8 +208,6 @@ void Tracker::coast(const std::map<std::size_t, std::size_t>& heirs, double time
     const bool contradicted = is_contradicted(contour, memory.track.candidate.depth_m, *view);
     if (young || !contradicted) memories.push_back(memory);
     if (contradicted || contour.empty() || cv::contourArea(contour) < kLeastArea) continue;
-    Track track = memory.track;
-    track.unseen_s = unseen_s;
     show(track.candidate, contour, memory.opening, *view);
     tracks.push_back(std::move(track));
   }
@@ -225,6 +234,20 @@ std::optional<double> Tracker::typical_step() const {
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
   return *middle;
+}
+
+// Logistic regression on simulated walks, printed by scripts/fit-probability (docs/algorithm.md).
+void Tracker::judge(Track& track) const {
+  constexpr double kConstant = -2.619;
+  constexpr double kEvidence = 1.441;
+  constexpr double kSightings = 1.625;  // of the logarithm of those that 15 frames a second would give
+  constexpr double kUnseen = -8.854;    // for each second
+  track.validated = track.length >= required_sightings();
+  if (params_.min_probability <= 0.0) return;
+  const double sightings = track.length * typical_step().value_or(kUsualStep) / kUsualStep;
+  const double log_odds = kConstant + kEvidence * track.evidence + kSightings * std::log(sightings) + kUnseen * track.unseen_s;
+  track.probability = 1.0 / (1.0 + std::exp(-log_odds));
+  track.validated = track.validated && *track.probability >= params_.min_probability;
 }
 
 int Tracker::required_sightings() const {
