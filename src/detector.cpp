@@ -1,12 +1,14 @@
 #include "brink/detector.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 #include <tbb/parallel_invoke.h>
 
+#include "candidates/evidence.hpp"
 #include "ego_motion/exchanged_eyes.hpp"
 
 namespace brink {
@@ -186,12 +188,16 @@ void Detector::align_grounds(const Frame& frame, Detection& detection) {
 void Detector::report(const Frame& frame, Detection& detection) {
   const auto in_range = [this](const Candidate& candidate) { return candidate.distance_m <= params_.report_range_m; };
   if (params_.stills) {  // without a past there is nothing to validate with
+    const auto compute_still_probability = [this](const Candidate& candidate) -> std::optional<double> {
+      if (params_.tracking.min_probability <= 0.0) return std::nullopt;
+      return 1.0 / (1.0 + std::exp(-compute_evidence(candidate)));
+    };
     for (const Candidate& candidate : detection.candidates) {
       const NegativeObstacle obstacle{.id = static_cast<int>(detection.obstacles.size() + detection.tracks.size()) + 1,
                                       .candidate = candidate,
                                       .track_length = 1,
                                       .unseen_s = 0.0,
-                                      .probability = {}};
+                                      .probability = compute_still_probability(candidate)};
       (in_range(candidate) ? detection.obstacles : detection.tracks).push_back(obstacle);
     }
     return;
