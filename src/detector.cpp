@@ -126,6 +126,7 @@ Detection Detector::process(const Frame& frame) {
   if (detection.ground.plane) {
     GroundSurface ground = make_flat_surface(detection.ground, detection.disparity, frame.camera);
     if (params_.ground.follow) ground = follow_ground(detection.disparity, ground, frame.camera, params_.ground);
+    detection.disparity_sd_px = ground.disparity_sd_px;
     detection.elevation = compute_elevation(detection.disparity, ground, frame.camera);
     detection.times.ground = stage.lap_ms();
 

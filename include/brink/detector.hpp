@@ -79,6 +79,8 @@ struct Detection {
 
   cv::Mat1f disparity;  ///< px, kInvalidDisparity = none; Frame::disparity if given; empty when status is not ok
   GroundEstimate ground;
+  /// GroundSurface::disparity_sd_px, px: what drops must stand out of. Empty when the ground is not visible.
+  std::optional<double> disparity_sd_px;
   EgoMotionState ego_motion_state = EgoMotionState::none;
   EgoMotionEstimate ego_motion;             ///< since the last frame that was processed
   cv::Mat1f elevation;                      ///< m, NaN = none; empty when the ground is not visible

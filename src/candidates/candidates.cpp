@@ -9,6 +9,7 @@
 
 #include "brink/disparity.hpp"
 #include "candidates/agreement.hpp"
+#include "candidates/depth_wanted.hpp"
 #include "candidates/far_rim.hpp"
 #include "candidates/ground_hypothesis.hpp"
 #include "candidates/region.hpp"
@@ -261,11 +262,8 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
   const cv::Mat1b range = compute_range_mask(elevation.size(), pose, frame.camera, params.max_range_m);
   const cv::Mat1b none(disparity < kLeastDisparity);
   const cv::Mat1b valid(~none);
-  // On one ray an elevation is h (1 - d_ground / d), so its standard deviation is h / d times that of d.
-  const double noise_px_m = params.min_sigmas * ground.disparity_sd_px * pose.height_m;
-  // What lies within T_g of the ground is ground, unless less was asked for.
-  const double measured_m =
-      std::max(params.min_depth_m * params.measured_depth_ratio, std::min(params.min_depth_m, params.ground_tolerance_m));
+  const double noise_px_m = noise_depth_wanted(ground, params);
+  const double measured_m = measured_depth_wanted(params);
   const cv::Mat1f depth_wanted(cv::max(noise_px_m / cv::max(disparity, kLeastDisparity), measured_m));
   const cv::Mat1b deep((elevation <= -depth_wanted) & valid & range);
   const cv::Mat1b low((elevation <= -params.rim_depth_ratio * depth_wanted) & valid & range);

@@ -51,6 +51,8 @@ void describe(auto& archive, IsA<InstanceScore> auto& instance) {
   archive("reachable", instance.reachable);
   archive("hit", instance.hit);
   archive("settled_hit", instance.settled_hit);
+  archive.later("depth_m", instance.depth_m);
+  archive.later("expected", instance.expected);
 }
 
 void describe(auto& archive, IsA<DetectionScore> auto& detection) {
@@ -115,6 +117,12 @@ class Writer {
     json_[name] = to_json(value);
   }
 
+  /// A field that older files lack.
+  template <typename Value>
+  void later(const char* name, const std::optional<Value>& value) {
+    (*this)(name, value);
+  }
+
   template <typename Value>
   static Json to_json(const Value& value) {
     if constexpr (std::is_arithmetic_v<Value> || std::same_as<Value, std::string>) {
@@ -152,6 +160,12 @@ class Reader {
   template <typename Value>
   void operator()(const char* name, Value& value) const {
     value = member(name).template as<Value>();
+  }
+
+  template <typename Value>
+  void later(const char* name, std::optional<Value>& value) const {
+    require(json_.is_object(), "an object");
+    if (json_.contains(name)) (*this)(name, value);
   }
 
   template <typename Value>

@@ -16,6 +16,7 @@ constexpr int kDegreeDigits = 3;
 constexpr int kMotionDigits = 8;  // of current_from_previous: added up over thousands of frames
 constexpr int kTimeDigits = 6;    // of seconds
 constexpr int kMillisecondDigits = 3;
+constexpr int kPixelDigits = 3;
 constexpr int kShareDigits = 3;  // of what lies in 0..1
 
 // The nearest decimal number of so many digits after the dot; null when there is none.
@@ -32,7 +33,8 @@ Json point(const Eigen::Vector3d& position) {
   return numbers;
 }
 
-Json ground(const GroundEstimate& estimate) {
+Json ground(const Detection& detection) {
+  const GroundEstimate& estimate = detection.ground;
   Json json = {{"state", to_string(estimate.state)}};
   if (!estimate.reason.empty()) json["reason"] = estimate.reason;
   json["confidence"] = rounded(estimate.confidence, kShareDigits);
@@ -40,6 +42,7 @@ Json ground(const GroundEstimate& estimate) {
   json["height_m"] = known ? rounded(estimate.pose.height_m, kMetreDigits) : Json();
   json["pitch_deg"] = known ? rounded(estimate.pose.pitch_deg, kDegreeDigits) : Json();
   json["roll_deg"] = known ? rounded(estimate.pose.roll_deg, kDegreeDigits) : Json();
+  if (detection.disparity_sd_px) json["disparity_sd_px"] = rounded(*detection.disparity_sd_px, kPixelDigits);
   return json;
 }
 
@@ -154,7 +157,7 @@ std::string to_json_line(const Detection& detection) {
   Json json = {
       {"frame", detection.frame}, {"time", rounded(detection.time, kTimeDigits)}, {"status", to_string(detection.status)}};
   if (!detection.reason.empty()) json["reason"] = detection.reason;
-  json["ground"] = ground(detection.ground);
+  json["ground"] = ground(detection);
   json["ego_motion"] = ego_motion(detection);
   json["obstacles"] = obstacles(detection.obstacles);
   json["tracks"] = obstacles(detection.tracks);

@@ -278,7 +278,9 @@ Detection parse_detection(const std::string& line) {
   detection.time = read_number(node, "time");
   detection.status = read_choice(node, "status", std::array{FrameStatus::ok, FrameStatus::no_picture, FrameStatus::bad_frame});
   if (json.contains("reason")) detection.reason = read_text(node, "reason");
-  detection.ground = read_ground(child(node, "ground"));
+  const Node ground = child(node, "ground");
+  detection.ground = read_ground(ground);
+  if (ground.object.contains("disparity_sd_px")) detection.disparity_sd_px = read_number(ground, "disparity_sd_px");
   read_ego_motion(child(node, "ego_motion"), detection);
   detection.obstacles = read_list(node, "obstacles", read_obstacle);
   detection.tracks = read_list(node, "tracks", read_obstacle);
