@@ -91,6 +91,7 @@ Run add_detect(CLI::App& command);
 Run add_disparity(CLI::App& command);
 Run add_odometry(CLI::App& command);
 Run add_params(CLI::App& command);
+Run add_envelope(CLI::App& command);
 Run add_bench(CLI::App& command);
 Run add_simulate(CLI::App& command);
 Run add_evaluate(CLI::App& command);

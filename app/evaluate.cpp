@@ -107,12 +107,10 @@ std::vector<EvaluationPair> list_pairs(const EvaluateOptions& options) {
 std::string evaluate_detections(const EvaluateOptions& options) {
   options.params.validate();
   const std::vector<EvaluationPair> pairs = list_pairs(options);
-  if (options.run) {
-    DetectorParams params = make_params(options.method);
-    params.stills = options.stills;
-    run_missing(pairs, options.results, params);
-  }
-  const std::vector<SequenceScore> scores = evaluate_pairs(pairs, options.params, options.outputs);
+  DetectorParams params = make_params(options.method);
+  params.stills = options.stills;
+  if (options.run) run_missing(pairs, options.results, params);
+  const std::vector<SequenceScore> scores = evaluate_pairs(pairs, options.params, params.candidates, options.outputs);
   if (!options.json) return to_text(scores, options.params);
   Json json = Json::parse(to_json(scores, options.params));
   json["summary"] = Json::parse(to_json(summarise(scores, options.params)));

@@ -35,9 +35,10 @@ std::vector<EvaluationPair> list_suite(const std::string& suite, const std::stri
 /// @throws std::runtime_error when results are there that were made with other parameters.
 void run_missing(const std::vector<EvaluationPair>& pairs, const std::string& results, const DetectorParams& params);
 
-/// Scores of all pairs, in their order. @throws std::runtime_error "file: ..." when a pair does not fit together.
+/// Scores of all pairs, in their order. @param rules that the detections were made with. @throws std::runtime_error "file: ..."
+/// when a pair does not fit together.
 std::vector<SequenceScore> evaluate_pairs(const std::vector<EvaluationPair>& pairs, const EvaluationParams& params,
-                                          const EvaluationOutputs& outputs);
+                                          const CandidateParams& rules, const EvaluationOutputs& outputs);
 
 /// Writes the pictures of the worst misses, false alarms and distance errors, and causes.md: why all of them came about.
 void write_gallery(const std::vector<EvaluationPair>& pairs, const std::vector<SequenceScore>& scores,

@@ -28,11 +28,12 @@ void check_frames(const EvaluationPair& pair, const std::vector<Detection>& dete
   }
 }
 
-SequenceScore evaluate_pair(const EvaluationPair& pair, const EvaluationParams& params, CocoWriter* coco) {
+SequenceScore evaluate_pair(const EvaluationPair& pair, const EvaluationParams& params, const CandidateParams& rules,
+                            CocoWriter* coco) {
   const std::vector<Detection> detections = read_detections(pair.detections);
   const SequenceTruth truth(pair.truth);
   check_frames(pair, detections, truth);
-  SequenceEvaluator evaluator(pair.name, params);
+  SequenceEvaluator evaluator(pair.name, params, rules);
   Progress progress(truth.size());
   for (int position = 0; position < truth.size(); ++position) {
     const Detection& detection = detections[static_cast<std::size_t>(position)];
@@ -93,12 +94,12 @@ void run_missing(const std::vector<EvaluationPair>& pairs, const std::string& re
 }
 
 std::vector<SequenceScore> evaluate_pairs(const std::vector<EvaluationPair>& pairs, const EvaluationParams& params,
-                                          const EvaluationOutputs& outputs) {
+                                          const CandidateParams& rules, const EvaluationOutputs& outputs) {
   std::optional<CocoWriter> coco;
   if (!outputs.coco.empty()) coco.emplace();
   std::vector<SequenceScore> scores;
   scores.reserve(pairs.size());
-  for (const EvaluationPair& pair : pairs) scores.push_back(evaluate_pair(pair, params, coco ? &*coco : nullptr));
+  for (const EvaluationPair& pair : pairs) scores.push_back(evaluate_pair(pair, params, rules, coco ? &*coco : nullptr));
   if (coco) write_file(outputs.coco, coco->text());
   if (!outputs.gallery.empty()) write_gallery(pairs, scores, outputs);
   return scores;

@@ -91,6 +91,30 @@ void add_as_option(CLI::App& command, std::optional<DepthKind>& as, const std::s
       ->check(CLI::IsMember({"disparity", "depth"}).description(""));
 }
 
+CLI::Option* add_calibration_options(CLI::App& command, CalibrationFiles& files) {
+  CLI::Option* calib =
+      command
+          .add_option(
+              "--calib", files.path,
+              "Calibration of the pair, or of one half of side-by-side pictures, or of a folder in place of its calib.txt: "
+              "KITTI, OpenCV, EuRoC, Kalibr, Middlebury, ROS or ZED, told apart by content")
+          ->type_name("FILE");
+  command
+      .add_option(
+          "--calib-right", files.right_path,
+          "Calibration of the right camera, for kinds with a file per camera. Without it a partner of --calib is looked "
+          "for by its name: left and right, cam0 and cam1")
+      ->type_name("FILE");
+  command
+      .add_option_function<std::string>(
+          "--pictures",
+          [&files](const std::string& state) { files.pictures = state == "raw" ? PictureState::raw : PictureState::rectified; },
+          "What the pictures are, for calibrations that describe both: raw or rectified")
+      ->type_name("STATE")
+      ->check(CLI::IsMember({"raw", "rectified"}).description(""));
+  return calib;
+}
+
 void add_input_options(CLI::App& command, InputOptions& options) {
   command
       .add_option("INPUT", options.input,
@@ -100,26 +124,7 @@ void add_input_options(CLI::App& command, InputOptions& options) {
       ->required();
   command.add_option("--right", options.right, "Right picture of the pair, or the pattern of right pictures in quotes")
       ->type_name("FILE|PATTERN");
-  command
-      .add_option("--calib", options.calibration.path,
-                  "Calibration of the pair, or of one half of side-by-side pictures, or of a folder in place of its calib.txt: "
-                  "KITTI, OpenCV, EuRoC, Kalibr, Middlebury, ROS or ZED, told apart by content")
-      ->type_name("FILE");
-  command
-      .add_option(
-          "--calib-right", options.calibration.right_path,
-          "Calibration of the right camera, for kinds with a file per camera. Without it a partner of --calib is looked "
-          "for by its name: left and right, cam0 and cam1")
-      ->type_name("FILE");
-  command
-      .add_option_function<std::string>(
-          "--pictures",
-          [&options](const std::string& state) {
-            options.calibration.pictures = state == "raw" ? PictureState::raw : PictureState::rectified;
-          },
-          "What the pictures are, for calibrations that describe both: raw or rectified")
-      ->type_name("STATE")
-      ->check(CLI::IsMember({"raw", "rectified"}).description(""));
+  add_calibration_options(command, options.calibration);
   add_as_option(
       command, options.as,
       "disparity or depth: what takes the place of the right picture. --right is such an image, or INPUT itself where "

@@ -22,6 +22,8 @@ struct InputOptions {
 };
 /// --as disparity|depth.
 void add_as_option(CLI::App& command, std::optional<DepthKind>& as, const std::string& description);
+/// --calib, --calib-right and --pictures. @return --calib.
+CLI::Option* add_calibration_options(CLI::App& command, CalibrationFiles& files);
 void add_input_options(CLI::App& command, InputOptions& options);
 /// Says what the input was recognised as, and what is odd about it.
 /// @throws std::invalid_argument when the options do not go with the input, std::runtime_error when it cannot be read.

@@ -22,11 +22,12 @@ struct Command {
   Run (*add)(CLI::App&);
 };
 
-constexpr std::array<Command, 8> kCommands{{
+constexpr std::array<Command, 9> kCommands{{
     {"detect", "Find where the ground goes down, in one stereo pair or a sequence", add_detect},
     {"disparity", "Compute the disparity image of one stereo pair", add_disparity},
     {"odometry", "Compute the path of the camera through a sequence", add_odometry},
     {"params", "List every parameter with its value, unit and meaning", add_params},
+    {"envelope", "Tell how small a drop a camera can see, and how far", add_envelope},
     {"bench", "Measure how long each stage takes on this machine", add_bench},
     {"simulate", "Make a virtual walk with exact truth", add_simulate},
     {"evaluate", "Compare detections, trajectories or disparities with the truth", add_evaluate},

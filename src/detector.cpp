@@ -1,12 +1,14 @@
 #include "brink/detector.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 #include <tbb/parallel_invoke.h>
 
+#include "candidates/evidence.hpp"
 #include "ego_motion/exchanged_eyes.hpp"
 
 namespace brink {
@@ -124,6 +126,7 @@ Detection Detector::process(const Frame& frame) {
   if (detection.ground.plane) {
     GroundSurface ground = make_flat_surface(detection.ground, detection.disparity, frame.camera);
     if (params_.ground.follow) ground = follow_ground(detection.disparity, ground, frame.camera, params_.ground);
+    detection.disparity_sd_px = ground.disparity_sd_px;
     detection.elevation = compute_elevation(detection.disparity, ground, frame.camera);
     detection.times.ground = stage.lap_ms();
 
@@ -131,6 +134,8 @@ Detection Detector::process(const Frame& frame) {
     sort_out(select_below_ground(frame, detection.disparity, detection.elevation, ground, params_.candidates), detection);
     detection.times.below_ground = stage.lap_ms();
     sort_out(select_no_disparity(frame, detection.disparity, detection.elevation, ground, params_.candidates), detection);
+    detection.candidates = merge_parts(std::move(detection.candidates), detection.elevation, detection.ground.pose,
+                                       frame.camera, params_.candidates);
     detection.times.no_disparity = stage.lap_ms();
   } else {
     detection.times.ground = stage.lap_ms();
@@ -184,20 +189,34 @@ void Detector::align_grounds(const Frame& frame, Detection& detection) {
 void Detector::report(const Frame& frame, Detection& detection) {
   const auto in_range = [this](const Candidate& candidate) { return candidate.distance_m <= params_.report_range_m; };
   if (params_.stills) {  // without a past there is nothing to validate with
+    const auto compute_still_probability = [this](const Candidate& candidate) -> std::optional<double> {
+      if (params_.tracking.min_probability <= 0.0) return std::nullopt;
+      return 1.0 / (1.0 + std::exp(-compute_evidence(candidate)));
+    };
     for (const Candidate& candidate : detection.candidates) {
       const NegativeObstacle obstacle{.id = static_cast<int>(detection.obstacles.size() + detection.tracks.size()) + 1,
                                       .candidate = candidate,
                                       .track_length = 1,
-                                      .probability = {}};
+                                      .unseen_s = 0.0,
+                                      .probability = compute_still_probability(candidate)};
       (in_range(candidate) ? detection.obstacles : detection.tracks).push_back(obstacle);
     }
     return;
   }
   std::optional<Eigen::Isometry3d> current_from_previous;
   if (detection.ego_motion.motion) current_from_previous = detection.ego_motion.motion->current_from_previous;
-  for (const Track& track : tracker_.update(detection.candidates, current_from_previous, frame.time)) {
-    const NegativeObstacle obstacle{
-        .id = track.id, .candidate = track.candidate, .track_length = track.length, .probability = {}};
+  std::optional<FrameView> view;
+  if (detection.ground.plane) {
+    const double level_m = params_.candidates.ground_tolerance_m;
+    const cv::Mat1b level((detection.elevation > -level_m) & (detection.elevation < level_m));
+    view = FrameView{.camera = frame.camera, .ground = detection.ground.pose, .level = level};
+  }
+  for (const Track& track : tracker_.update(detection.candidates, current_from_previous, frame.time, view)) {
+    const NegativeObstacle obstacle{.id = track.id,
+                                    .candidate = track.candidate,
+                                    .track_length = track.length,
+                                    .unseen_s = track.unseen_s,
+                                    .probability = track.probability};
     (track.validated && in_range(track.candidate) ? detection.obstacles : detection.tracks).push_back(obstacle);
   }
 }

@@ -1,9 +1,11 @@
 #include "brink/overlay.hpp"
 
 #include <limits>
+#include <optional>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace brink {
 namespace {
@@ -151,6 +153,21 @@ TEST(Overlays, DrawOnDisparitiesWhereThereIsNoPicture) {
   EXPECT_EQ(picture(200, 20), cv::Vec3b(0, 0, 0));
   EXPECT_EQ(picture(200, 30), cv::Vec3b(128, 128, 128));
   EXPECT_GT(picture(120, 120)[2], picture(120, 120)[0]) << "the obstacle is red";
+}
+
+// 15 cm are log(0.15 / 0.02) / log(3 / 0.02) = 40 % of the way down the 440 rows from row 50, and 2 to 6 m of 8 half of the
+// width.
+TEST(EnvelopeDiagram, TintsWhatLiesBelowTheLine) {
+  const auto draw = [](const std::optional<double>& depth_m) {
+    return draw_envelope({{"hole", {{2.0, depth_m}, {6.0, depth_m}, {8.0, std::nullopt}}}}, "title");
+  };
+  const cv::Mat3b with_line = draw(0.15);
+  cv::Mat1b changed;
+  cv::cvtColor(cv::Mat(with_line != draw(std::nullopt)), changed, cv::COLOR_BGR2GRAY);
+  const cv::Rect tinted = cv::boundingRect(changed);
+  EXPECT_NEAR(tinted.y, 50 + 0.402 * 440, 5);
+  EXPECT_NEAR(tinted.br().y, 50 + 440, 5);
+  EXPECT_NEAR(tinted.width, 820 / 2, 10);
 }
 
 TEST(Overlays, DrawTheSmallestPictures) {

@@ -46,12 +46,13 @@ struct CandidateParams {
   int min_touching_px = 5;             ///< pixels of the other kind in the 1-px ring that count as touching
   double black_level = 20.0;           ///< Type 2: mean colour, maximum of B, G, R (or mean grey), at most this
   int border_px = 10;           ///< Type 2 is looked for only where both cameras see the ground, this far from their edges
+  double merge_gap_m = 0.3;     ///< parts of one drop this near to each other, behind a handrail, are one candidate; 0 = never
   double max_range_m = 8.0;     ///< candidates are looked for up to this distance in the ground plane
   bool tell_kind = true;        ///< tell what a candidate is by its shape; false = all are unknown
   int min_listed_area_px = 30;  ///< smaller regions are specks: not even listed as rejected
 
   /// Without what brink adds: measured_depth_ratio 1, rim_depth_ratio 1, min_slope_deg 0, min_sigmas 0, max_share_beyond 1,
-  /// max_roughness 0, min_ground_misfit 0, max_share_standing 1, touching_gap_px 0, border_px 0,
+  /// max_roughness 0, min_ground_misfit 0, max_share_standing 1, touching_gap_px 0, border_px 0, merge_gap_m 0,
   /// tell_kind false.
   static CandidateParams paper();
   void validate() const;  ///< @throws std::invalid_argument "candidates.name = value, must be ..."
@@ -65,10 +66,23 @@ struct Rejection {
   double limit = 0.0;
 };
 
+/// What the rules measured of a region, for and against it.
+struct Measures {
+  double sigmas = 0.0;          ///< Type 1: half of its deep part lies at least so many standard deviations below the ground
+  double ground_misfit = 0.0;   ///< Type 1: by what share the ground explains the pictures worse, 0..1
+  double roughness = 0.0;       ///< Type 1: scatter of its disparities in that of the ground
+  double agreement = 0.0;       ///< Type 1: of both pictures about it, -1..1
+  double slope_deg = 0.0;       ///< Type 1: at its rim
+  double share_beyond = 0.0;    ///< Type 1: what of it lies beyond its far rim
+  double ground_share = 0.0;    ///< of its border with a disparity: at the height of the ground
+  double standing_share = 0.0;  ///< of its border with a disparity: above the ground
+};
+
 /// A region that may be a negative obstacle. Points in the left camera frame, m.
 struct Candidate {
   CandidateType type = CandidateType::below_ground;
   ObstacleKind kind = ObstacleKind::unknown;              ///< of accepted ones, with tell_kind; else unknown
+  std::vector<CandidateType> types;                       ///< of the parts it was merged from, each once; empty = one part
   int area_px = 0;                                        ///< pixels of the region (Type 2: before dilation)
   std::vector<cv::Point> contour;                         ///< outer contour (Type 2: of the dilated region), closed, px
   std::vector<Eigen::Vector3d> contour_3d;                ///< those contour points that have a disparity
@@ -80,6 +94,7 @@ struct Candidate {
   double bearing_deg = 0.0;                               ///< of rim_nearest, positive right
   std::optional<double> depth_m;                          ///< below the ground, > 0; empty for Type 2: its bottom is not seen
   double width_m = 0.0;                ///< extent of the opening across the line of sight, in the ground plane
+  Measures measures;                   ///< those whose rule is in use; of a merged one the larger part's
   cv::Scalar mean_color;               ///< B, G, R of the left picture (grey pictures: three times grey; none: 0)
   std::optional<Rejection> rejection;  ///< empty = candidate; the first rule that failed otherwise
 };
@@ -97,5 +112,16 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
 /// black cannot be told.
 std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
                                            const GroundSurface& ground, const CandidateParams& params = {});
+
+/// Our own (docs/algorithm.md): one hole, one obstacle. Parts of one drop, split by a handrail or by what of it is black,
+/// become one candidate: between them, over less than merge_gap_m, there is no ground to be seen. The larger part's type is
+/// told; the contour is one outline around all parts, bridged by a line.
+/// @param candidates accepted ones of both types. @param elevation as for select_below_ground.
+/// @return in the order of the first part of each. @throws std::invalid_argument when parameters are not valid.
+std::vector<Candidate> merge_parts(std::vector<Candidate> candidates, const cv::Mat1f& elevation, const GroundPose& pose,
+                                   const StereoCamera& camera, const CandidateParams& params = {});
+
+/// Extent of an opening across the line of sight to its middle, in the ground plane, m; 0 without points.
+double compute_width(const std::vector<Eigen::Vector3d>& rim, const GroundPose& pose);
 
 }  // namespace brink

@@ -45,6 +45,7 @@ struct NegativeObstacle {
   int id = 0;  ///< unique in its run; for stills unique in its frame
   Candidate candidate;
   int track_length = 1;               ///< sightings in a row
+  double unseen_s = 0.0;              ///< since the last sighting; > 0: it is remembered, not seen in this frame
   std::optional<double> probability;  ///< that it is there, 0..1; empty when it is not known
 };
 
@@ -78,6 +79,8 @@ struct Detection {
 
   cv::Mat1f disparity;  ///< px, kInvalidDisparity = none; Frame::disparity if given; empty when status is not ok
   GroundEstimate ground;
+  /// GroundSurface::disparity_sd_px, px: what drops must stand out of. Empty when the ground is not visible.
+  std::optional<double> disparity_sd_px;
   EgoMotionState ego_motion_state = EgoMotionState::none;
   EgoMotionEstimate ego_motion;             ///< since the last frame that was processed
   cv::Mat1f elevation;                      ///< m, NaN = none; empty when the ground is not visible

@@ -78,6 +78,10 @@ struct InstanceScore {
   bool reachable = false;    ///< present in the last validation_sightings frames: a track that never misses could be validated
   bool hit = false;          ///< counts in the raw rates and at least one detection hits it, by the rules for that set
   bool settled_hit = false;  ///< the same for the settled rates
+  std::optional<double> depth_m;
+  /// By the envelope (envelope.hpp) its Type 1 region passes every rule, now and in the last validation_sightings frames, as a
+  /// track needs. Empty when its opening, the camera or the noise of the disparities is not known.
+  std::optional<bool> expected;
 };
 
 /// One detection in one frame.
@@ -145,7 +149,8 @@ struct SequenceScore {
 class SequenceEvaluator {
  public:
   /// @throws std::invalid_argument when the parameters are not valid.
-  explicit SequenceEvaluator(std::string name, const EvaluationParams& params = {});
+  /// @param rules that the detections were made with: what the envelope goes by.
+  explicit SequenceEvaluator(std::string name, const EvaluationParams& params = {}, const CandidateParams& rules = {});
 
   /// @throws std::invalid_argument when the frame numbers differ, frames or times do not increase, or an obstacle's contour
   /// leaves
@@ -166,6 +171,7 @@ class SequenceEvaluator {
     double warned_time = 0.0;
     std::size_t last_index = 0;  // of the frame in which it was seen last
     int sightings = 0;           // frames in a row up to that
+    int expected_sightings = 0;  // of these the last ones in a row in which the envelope has it seen
   };
   // What one detection hits, by the rules.
   struct Judgement {
@@ -174,12 +180,13 @@ class SequenceEvaluator {
     bool settled_false = false;
   };
   Approach& follow(const VisibleInstance& instance, int frame, double time);
-  InstanceScore score_instance(const VisibleInstance& instance, const FrameTruth& truth);
+  InstanceScore score_instance(const VisibleInstance& instance, const FrameTruth& truth, const Detection& detection);
   DetectionScore score_detection(const NegativeObstacle& obstacle, const Judgement& judgement, const FrameTruth& truth);
   void note_warnings(const FrameTruth& truth, const FrameMatch& match);
   void note_false_alarm(DetectionScore& detection, const Eigen::Vector3d& place, const FrameTruth& truth);
 
   EvaluationParams params_;
+  CandidateParams rules_;
   SequenceScore score_;
   std::vector<Approach> approaches_;            // in order of their beginning
   std::map<int, std::size_t> latest_approach_;  // by id, index in approaches_
@@ -194,6 +201,9 @@ struct Estimate {
   double low = 0.0;
   double high = 0.0;
 };
+
+/// Rim distances are asked to be exact within this, m.
+inline constexpr double kNearRange = 3.0;
 
 /// The tables. Empty optionals: there was nothing to count.
 struct EvaluationSummary {
@@ -211,6 +221,18 @@ struct EvaluationSummary {
     Counts raw, settled;  ///< fp unused
   };
   std::vector<RangeBin> recall_by_range;  ///< 1 m wide, 0 to max_range_m
+  /// Settled instances whose distance and depth are known. Only bins with any, by range, then by depth.
+  struct DepthBin {
+    double from_m = 0.0;  ///< distance
+    double to_m = 0.0;
+    double from_depth_m = 0.0;
+    double to_depth_m = 0.0;  ///< infinite for the last one
+    Counts settled;           ///< fp unused
+    int judged = 0;           ///< of them the envelope could be asked about
+    int judged_hits = 0;      ///< of these hit
+    int expected = 0;         ///< of these expected to be hit
+  };
+  std::vector<DepthBin> recall_by_depth;
   int events = 0;
   int missed = 0;
   int late = 0;                            ///< warned, not in time
@@ -219,9 +241,11 @@ struct EvaluationSummary {
   int episodes = 0;
   std::optional<Estimate> episodes_per_minute, episodes_per_100m;  ///< empty without poses
   std::optional<double> distance_error_median_m, distance_error_p95_m, bearing_error_median_deg, bearing_error_p95_deg;
-  int localised = 0;                        ///< detections that these come from
-  std::map<std::string, int> frame_status;  ///< "ok", ...: frames
-  std::map<std::string, int> ground_state;  ///< "seen", ...: frames that are ok
+  int localised = 0;                                                              ///< detections that these come from
+  std::optional<double> near_distance_error_median_m, near_distance_error_p95_m;  ///< within kNearRange by the truth
+  int near_localised = 0;                                                         ///< detections that these come from
+  std::map<std::string, int> frame_status;                                        ///< "ok", ...: frames
+  std::map<std::string, int> ground_state;                                        ///< "seen", ...: frames that are ok
   struct ProbabilityBin {
     double from = 0.0;
     double to = 0.0;

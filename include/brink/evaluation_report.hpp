@@ -29,8 +29,8 @@ inline constexpr std::array<PaperRow, 3> kPaperRows{{{"paper S1, stairs", 213, {
 
 // Tables for people, in Markdown. Rates are shares, their 95 % intervals stand in brackets; "-" = nothing to count.
 
-/// Tables II and III for each sequence and pooled, beside the paper's; then recall by range, events, false alarms,
-/// localisation, ground and calibration, pooled.
+/// Tables II and III for each sequence and pooled, beside the paper's; then recall by range and by depth beside the envelope,
+/// events, false alarms, localisation, ground and calibration, pooled.
 /// @throws std::invalid_argument as summarise does.
 std::string to_text(const std::vector<SequenceScore>& sequences, const EvaluationParams& params = {});
 std::string to_text(const std::vector<Comparison>& comparisons);

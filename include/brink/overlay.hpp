@@ -9,6 +9,7 @@
 
 #include "brink/candidates.hpp"
 #include "brink/detector.hpp"
+#include "brink/envelope.hpp"
 #include "brink/frame.hpp"
 
 namespace brink {
@@ -57,6 +58,15 @@ class PathTrail {
 /// @param path positions in the current left camera frame, m, newest last (PathTrail). @param size of the picture, px, > 0.
 cv::Mat3b draw_top_view(const Frame& frame, const Detection& detection, const std::vector<Eigen::Vector3d>& path,
                         const cv::Size& size, const CandidateParams& params = {});
+
+/// A line of draw_envelope.
+struct EnvelopeCurve {
+  std::string name;
+  std::vector<EnvelopePoint> points;  ///< ascending distances
+};
+/// The envelope as a diagram: distance to the right, depth downwards on a logarithmic scale of 2 cm to 3 m, so that what a
+/// camera sees lies below its line. Two curves at most have colours of their own.
+cv::Mat3b draw_envelope(const std::vector<EnvelopeCurve>& curves, const std::string& title);
 
 /// Size of draw_video_frame's pictures, px.
 inline constexpr int kVideoWidth = 1600;

@@ -14,12 +14,15 @@ namespace brink {
 
 struct TrackingParams {
   double association_radius_m = 0.5;  ///< a candidate is the same as one whose place was this near a frame ago
-  bool associate_rims = true;       ///< places are compared by the nearest point of the rim, too, and by where openings overlap
-  double max_unseen_s = 0.2;        ///< a track that is not seen lives on for this long; 0 = it ends with the first frame
-  double validation_s = 1.0 / 3.0;  ///< a candidate is validated when it was seen for this long: 5 frames at 15 fps
-  int min_sightings = 3;            ///< ... but never before it was seen so often
-  static TrackingParams paper();    ///< without what brink adds: associate_rims false, max_unseen_s 0
-  void validate() const;            ///< @throws std::invalid_argument "tracking.name = value, must be ..."
+  bool associate_rims = true;     ///< places are compared by the nearest point of the rim, too, and by where openings overlap
+  double max_unseen_s = 0.2;      ///< a track that is not seen lives on for this long; 0 = it ends with the first frame
+  double max_coast_s = 1.0;       ///< a validated one is told so long unseen, no longer than it was seen, while nothing
+                                  ///< contradicts it; 0 = never
+  double validation_s = 0.2;      ///< a candidate is validated when it was seen for this long, 3 frames at 15 fps,
+  int min_sightings = 3;          ///< ... but never before it was seen so often,
+  double min_probability = 0.6;   ///< ... and not unless this is its probability; 0 = whatever it is, and none is told
+  static TrackingParams paper();  ///< 5 frames at 15 fps, without what brink adds: associate_rims false, all others 0
+  void validate() const;          ///< @throws std::invalid_argument "tracking.name = value, must be ..."
 };
 
 /// Our own: which kind a track was told to be in how many of its sightings.
@@ -37,10 +40,20 @@ class KindVotes {
 /// A candidate that is followed from frame to frame.
 struct Track {
   int id = 0;           ///< unique in its run
-  Candidate candidate;  ///< as this frame shows it; its kind is the winner of kind_votes
-  int length = 1;       ///< sightings, this frame's included; in a row but for gaps of max_unseen_s
+  Candidate candidate;  ///< as this frame shows it; when it does not, as it was remembered, moved by the camera's motion
+  int length = 1;       ///< sightings, this frame's included; in a row but for the gaps that params allow
   bool validated = false;
-  KindVotes kind_votes;  ///< of all sightings
+  double unseen_s = 0.0;  ///< since the last sighting; 0 = this frame shows it
+  double evidence = 0.0;  ///< log-odds that one sighting gives, averaged over its sightings, the last ones weighing most
+  KindVotes kind_votes;   ///< of its sightings; the winner is the candidate's kind
+  std::optional<double> probability;  ///< that it is there, 0..1; empty when params ask for none
+};
+
+/// What a frame shows besides its candidates: enough to tell an obstacle that is hidden, or missed, from one that is not there.
+struct FrameView {
+  StereoCamera camera;
+  GroundPose ground;
+  cv::Mat1b level;  ///< 255 = surface at the height of the ground; size of the picture
 };
 
 /// Section III.C.4: the same candidate seen over several frames from a moving camera is a negative obstacle, noise is not.
@@ -52,35 +65,39 @@ class Tracker {
   /// The tracks of this frame, one for each candidate, in their order. What the last frames' tracks remember is moved by the
   /// camera's motion; each candidate goes on with the nearest one within association_radius_m, whatever its type; with
   /// associate_rims, where there is none, also with one that it shares half of its opening with, or of the other's. Several may
-  /// go on with one, as regions split: the nearest keeps its id.
+  /// go on with one, as regions split: the nearest keeps its id. After them come validated tracks that were not seen but whose
+  /// opening is in view (`coasting`), unless the ground is seen where they should be, or a seen one has taken their place.
   /// @param candidates of this frame, positions in its left camera frame, m; empty = nothing was found.
   /// @param current_from_previous left camera frames of the last call and of this one; empty when the motion is not known: then
   ///        all tracks end, and every candidate begins anew.
   /// @param time s. The frame rate follows from the times of the last calls: at f frames per second max(min_sightings,
-  ///        round(f validation_s)) sightings validate.
+  ///        round(f validation_s)) sightings validate, if its probability does.
+  /// @param view empty = the ground was not visible: nothing coasts in this frame.
   /// @throws std::invalid_argument when times do not increase.
   std::vector<Track> update(const std::vector<Candidate>& candidates,
-                            const std::optional<Eigen::Isometry3d>& current_from_previous, double time);
+                            const std::optional<Eigen::Isometry3d>& current_from_previous, double time,
+                            const std::optional<FrameView>& view = std::nullopt);
 
   /// A frame that could not be processed, so that the motion over it is not known either: all tracks end.
   /// @throws std::invalid_argument as update does.
   void miss(double time);
 
  private:
-  void note_time(double time);
-  void remember(const std::vector<Track>& tracks, const std::map<std::size_t, std::size_t>& heirs, double time);
-  [[nodiscard]] int required_sightings() const;
-
   /// What a track is known by in the next frame, in the left camera frame of the last one, m.
   struct Memory {
-    int id = 0;
-    int length = 0;
-    Eigen::Vector3d centroid;
-    Eigen::Vector3d rim_nearest;
-    std::vector<Eigen::Vector3d> rim;
-    double seen = 0.0;  ///< s, last time
-    KindVotes kind_votes;
+    Track track;
+    std::vector<Eigen::Vector3d> opening;  ///< hull of its rim, with what of it has left the picture
+    double seen = 0.0;                     ///< s, last time
   };
+
+  struct Link;
+  void note_time(double time);
+  [[nodiscard]] std::optional<Link> find_nearest(const Candidate& candidate) const;
+  void coast(const std::map<std::size_t, std::size_t>& heirs, double time, const std::optional<FrameView>& view,
+             std::vector<Track>& tracks, std::vector<Memory>& memories) const;
+  [[nodiscard]] std::optional<double> typical_step() const;
+  [[nodiscard]] int required_sightings() const;
+  void judge(Track& track) const;
 
   TrackingParams params_;
   std::vector<Memory> memories_;

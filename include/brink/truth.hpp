@@ -21,7 +21,8 @@ struct VisibleInstance {
   /// Of the nearest point of its rim that is seen, in the plane of the rim, from the foot of the camera's perpendicular; of the
   /// nearest point at all when the rim itself is out of the picture. Empty when the sequence lacks poses or rims.
   std::optional<double> distance_m;
-  std::optional<double> bearing_deg;  ///< of that point, from the optical axis laid onto that plane, positive right
+  std::optional<double> bearing_deg;     ///< of that point, from the optical axis laid onto that plane, positive right
+  std::vector<Eigen::Vector3d> opening;  ///< rim polygon in the left camera's frame, m; empty when distance_m is
   /// What its type in instances.yaml is.
   ObstacleKind kind = ObstacleKind::unknown;
 };
@@ -33,6 +34,7 @@ struct FrameTruth {
   cv::Mat1b negative;                                  ///< id of the negative obstacle seen, 0 = none, 255 = not labelled
   std::vector<VisibleInstance> instances;              ///< those with at least one pixel in `negative`, ascending id
   std::optional<Eigen::Isometry3d> world_from_camera;  ///< world = left camera of frame 0
+  std::optional<StereoCamera> camera;                  ///< empty when the sequence has no calibration
 };
 
 /// The pixel value that means "not labelled".

@@ -9,6 +9,7 @@
 
 #include "brink/disparity.hpp"
 #include "candidates/agreement.hpp"
+#include "candidates/depth_wanted.hpp"
 #include "candidates/far_rim.hpp"
 #include "candidates/ground_hypothesis.hpp"
 #include "candidates/kind.hpp"
@@ -106,21 +107,15 @@ void measure_contour(Candidate& candidate, const cv::Mat1f& disparity, const Ste
 void measure_rim(Candidate& candidate, const std::vector<cv::Point>& outline, const GroundSurface& ground,
                  const StereoCamera& camera) {
   const GroundPose& pose = ground.pose;
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d>& rim = candidate.rim;
   for (const cv::Point& p : outline) {
-    if (const auto point = ground.intersect(p.x, p.y, camera)) {
-      rim.push_back(*point);
-      middle += *point;
-    }
+    if (const auto point = ground.intersect(p.x, p.y, camera)) rim.push_back(*point);
   }
   if (rim.empty()) return;
   candidate.rim_nearest = *std::ranges::min_element(rim, {}, [&](const auto& point) { return pose.distance(point); });
   candidate.distance_m = pose.distance(candidate.rim_nearest);
   candidate.bearing_deg = pose.bearing_deg(candidate.rim_nearest);
-  const Eigen::Vector3d across = pose.down.cross(middle).normalized();
-  const auto [left, right] = std::ranges::minmax(rim, {}, [&](const auto& point) { return across.dot(point); });
-  candidate.width_m = across.dot(right - left);
+  candidate.width_m = compute_width(rim, pose);
 }
 
 cv::Scalar compute_mean_color(const Frame& frame, const Region& region) {
@@ -150,6 +145,31 @@ double compute_depth(const Region& region, const cv::Mat1f& elevation) {
   const auto place = depths.begin() + static_cast<std::ptrdiff_t>(kDepthQuantile * static_cast<double>(depths.size() - 1));
   std::ranges::nth_element(depths, place);
   return *place;
+}
+
+/// How many standard deviations half of the deep part lies below the ground, at least.
+double compute_sigmas(const cv::Mat1b& deep, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
+                      const GroundSurface& ground) {
+  std::vector<double> sigmas;
+  for (int v = 0; v < deep.rows; ++v) {
+    for (int u = 0; u < deep.cols; ++u) {
+      if (deep(v, u) == 0) continue;
+      const double sd_m = ground.pose.height_m * ground.disparity_sd_px / disparity(v, u);
+      sigmas.push_back(-elevation(v, u) / sd_m);
+    }
+  }
+  if (sigmas.empty()) return 0.0;
+  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+  std::ranges::nth_element(sigmas, middle);
+  return *middle;
+}
+
+Measures measure_border(const Touching& touching) {
+  Measures measures;
+  if (touching.valid == 0) return measures;
+  measures.ground_share = static_cast<double>(touching.ground) / touching.valid;
+  measures.standing_share = static_cast<double>(touching.above_ground) / touching.valid;
+  return measures;
 }
 
 /// Notes the first rule that fails.
@@ -197,6 +217,15 @@ std::string to_string(ObstacleKind kind) {
   return "unknown";
 }
 
+double compute_width(const std::vector<Eigen::Vector3d>& rim, const GroundPose& pose) {
+  if (rim.empty()) return 0.0;
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& point : rim) middle += point;
+  const Eigen::Vector3d across = pose.down.cross(middle).normalized();
+  const auto [left, right] = std::ranges::minmax(rim, {}, [&](const auto& point) { return across.dot(point); });
+  return across.dot(right - left);
+}
+
 CandidateParams CandidateParams::paper() {
   CandidateParams params;
   params.measured_depth_ratio = 1.0;
@@ -210,6 +239,7 @@ CandidateParams CandidateParams::paper() {
   params.touching_gap_px = 0;
   params.border_px = 0;
   params.tell_kind = false;
+  params.merge_gap_m = 0.0;
   return params;
 }
 
@@ -235,6 +265,7 @@ void CandidateParams::validate() const {
   require_param(min_touching_px >= 0, "min_touching_px", min_touching_px, "0 or more");
   require_param(black_level >= 0.0 && black_level <= 255.0, "black_level", black_level, "0 to 255");
   require_param(border_px >= 0 && border_px <= 1000, "border_px", border_px, "0 to 1000");
+  require_param(merge_gap_m >= 0.0 && merge_gap_m <= 10.0, "merge_gap_m", merge_gap_m, "0 to 10");
   require_param(max_range_m > 0.0 && max_range_m <= 1000.0, "max_range_m", max_range_m, "above 0 to 1000");
   require_param(min_listed_area_px >= 1, "min_listed_area_px", min_listed_area_px, "1 or more");
 }
@@ -247,11 +278,8 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
   const cv::Mat1b range = compute_range_mask(elevation.size(), pose, frame.camera, params.max_range_m);
   const cv::Mat1b none(disparity < kLeastDisparity);
   const cv::Mat1b valid(~none);
-  // On one ray an elevation is h (1 - d_ground / d), so its standard deviation is h / d times that of d.
-  const double noise_px_m = params.min_sigmas * ground.disparity_sd_px * pose.height_m;
-  // What lies within T_g of the ground is ground, unless less was asked for.
-  const double measured_m =
-      std::max(params.min_depth_m * params.measured_depth_ratio, std::min(params.min_depth_m, params.ground_tolerance_m));
+  const double noise_px_m = noise_depth_wanted(ground, params);
+  const double measured_m = measured_depth_wanted(params);
   const cv::Mat1f depth_wanted(cv::max(noise_px_m / cv::max(disparity, kLeastDisparity), measured_m));
   const cv::Mat1b deep((elevation <= -depth_wanted) & valid & range);
   const cv::Mat1b low((elevation <= -params.rim_depth_ratio * depth_wanted) & valid & range);
@@ -268,21 +296,29 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
     const Touching touching = count_touching(region, none, disparity, elevation, params);
     require(candidate, "area", deep_px > params.below_ground_min_area_px, deep_px, params.below_ground_min_area_px);
     require(candidate, "touches_ground", touching.ground >= params.min_touching_px, touching.ground, params.min_touching_px);
+    Measures& measures = candidate.measures;
+    measures = measure_border(touching);
+    measures.sigmas = compute_sigmas(deep_here, disparity, elevation, ground);
     if (params.min_slope_deg > 0.0) {
       const double slope_deg = compute_rim_slope_deg(region, deep, level, disparity, frame.camera, pose);
+      measures.slope_deg = slope_deg;
       require(candidate, "slope", slope_deg >= params.min_slope_deg, slope_deg, params.min_slope_deg);
     }
     if (params.max_share_beyond < 1.0) {
       const double beyond = compute_share_beyond_rim(region, level, disparity, frame.camera, pose, ground.disparity_sd_px);
+      measures.share_beyond = beyond;
       require(candidate, "beyond_rim", beyond <= params.max_share_beyond, beyond, params.max_share_beyond);
     }
     if (params.max_roughness > 0.0) {
       const double roughness = compute_roughness_px(deep_here, disparity) / ground_roughness_px;
-      const double limit = params.max_roughness * allowance(compute_agreement(frame, deep_here, disparity));
+      measures.roughness = roughness;
+      measures.agreement = compute_agreement(frame, deep_here, disparity);
+      const double limit = params.max_roughness * allowance(measures.agreement);
       require(candidate, "rough", roughness <= limit, roughness, limit);
     }
     if (params.min_ground_misfit > 0.0) {
       const double misfit = compute_ground_misfit(frame, deep_here, disparity, elevation, pose);
+      measures.ground_misfit = misfit;
       require(candidate, "like_ground", misfit >= params.min_ground_misfit, misfit, params.min_ground_misfit);
     }
     if (params.tell_kind && !candidate.rejection) {
@@ -308,6 +344,7 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
   for (const Region& region : find_regions(mask, params.min_listed_area_px)) {
     Candidate candidate = measure(frame, region, CandidateType::no_disparity, disparity, ground);
     const Touching touching = count_touching(region, none, disparity, elevation, params);
+    candidate.measures = measure_border(touching);
     const int surface = touching.ground + touching.below_ground;
     const double brightest = std::max({candidate.mean_color[0], candidate.mean_color[1], candidate.mean_color[2]});
     require(candidate, "area", region.area_px > params.no_disparity_min_area_px, region.area_px,
@@ -316,7 +353,7 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
     require(candidate, "touches_ground", surface >= params.min_touching_px, surface, params.min_touching_px);
     require(candidate, "black", brightest <= params.black_level, brightest, params.black_level);
     if (params.max_share_standing < 1.0) {
-      const double standing = touching.valid == 0 ? 0.0 : static_cast<double>(touching.above_ground) / touching.valid;
+      const double standing = candidate.measures.standing_share;
       require(candidate, "standing", standing <= params.max_share_standing, standing, params.max_share_standing);
     }
     require(candidate, "contour", !candidate.contour_3d.empty(), 0.0, 1.0);

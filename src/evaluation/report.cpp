@@ -1,3 +1,4 @@
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -62,6 +63,23 @@ std::string range_table(const EvaluationSummary& summary) {
   return text;
 }
 
+std::string depth_table(const EvaluationSummary& summary) {
+  if (summary.recall_by_depth.empty()) return "";
+  std::string text =
+      "| rim distance, m | depth, m | settled instances | settled TPR | in the envelope | difference "
+      "|\n|---|---|---|---|---|---|\n";
+  for (const EvaluationSummary::DepthBin& bin : summary.recall_by_depth) {
+    const std::string depths = std::isfinite(bin.to_depth_m) ? fmt::format("{} to {}", bin.from_depth_m, bin.to_depth_m)
+                                                             : fmt::format("from {}", bin.from_depth_m);
+    text += fmt::format("| {:.0f} to {:.0f} | {} | {} | {} |", bin.from_m, bin.to_m, depths, bin.settled.tp + bin.settled.fn,
+                        share(bin.settled.tpr()));
+    text += bin.judged == 0 ? " - | - |\n"
+                            : fmt::format(" {:.3f} | {:+.3f} |\n", static_cast<double>(bin.expected) / bin.judged,
+                                          static_cast<double>(bin.judged_hits - bin.expected) / bin.judged);
+  }
+  return text + "\n";
+}
+
 std::string event_lines(const EvaluationSummary& summary) {
   std::string text = fmt::format("Events: {}; missed {}, warned late {}, share warned in time {}\n", summary.events,
                                  summary.missed, summary.late, with_interval(summary.warned_in_time, 3));
@@ -97,10 +115,13 @@ std::string plus_minus(const MeanAndDeviation& value) { return fmt::format("{:.4
 
 std::string to_text(const std::vector<SequenceScore>& sequences, const EvaluationParams& params) {
   const EvaluationSummary summary = summarise(sequences, params);
-  std::string text = detection_table(sequences, summary, params) + "\n" + range_table(summary) + "\n" + event_lines(summary);
+  std::string text = detection_table(sequences, summary, params) + "\n" + range_table(summary) + "\n" + depth_table(summary) +
+                     event_lines(summary);
   text += fmt::format("Distance error of {} detections: median {} m, p95 {} m; bearing error: median {} deg, p95 {} deg\n",
                       summary.localised, number(summary.distance_error_median_m, 3), number(summary.distance_error_p95_m, 3),
                       number(summary.bearing_error_median_deg, 2), number(summary.bearing_error_p95_deg, 2));
+  text += fmt::format("Of these {} within {} m: distance error median {} m, p95 {} m\n", summary.near_localised, kNearRange,
+                      number(summary.near_distance_error_median_m, 3), number(summary.near_distance_error_p95_m, 3));
   text += state_line("Frames:", summary.frame_status) + state_line("Ground:", summary.ground_state);
   return text + calibration_table(summary) + kind_table(summary);
 }

@@ -35,6 +35,19 @@ Json ranges(const EvaluationSummary& summary) {
   return bins;
 }
 
+Json depths(const EvaluationSummary& summary) {
+  Json bins = Json::array();
+  for (const EvaluationSummary::DepthBin& bin : summary.recall_by_depth) {
+    bins.push_back({{"from_m", bin.from_m},
+                    {"to_m", bin.to_m},
+                    {"from_depth_m", bin.from_depth_m},
+                    {"to_depth_m", bin.to_depth_m},  // JSON has no infinity: null
+                    {"settled", {{"tp", bin.settled.tp}, {"fn", bin.settled.fn}}},
+                    {"envelope", {{"judged", bin.judged}, {"hits", bin.judged_hits}, {"expected", bin.expected}}}});
+  }
+  return bins;
+}
+
 Json calibration(const EvaluationSummary& summary) {
   Json bins = Json::array();
   for (const EvaluationSummary::ProbabilityBin& bin : summary.calibration) {
@@ -66,6 +79,7 @@ std::string to_json(const EvaluationSummary& summary) {
        {"settled",
         {{"counts", counts(summary.settled)}, {"tpr", estimate(summary.settled_tpr)}, {"ppv", estimate(summary.settled_ppv)}}},
        {"recall_by_range", ranges(summary)},
+       {"recall_by_depth", depths(summary)},
        {"events",
         {{"count", summary.events},
          {"missed", summary.missed},
@@ -83,6 +97,11 @@ std::string to_json(const EvaluationSummary& summary) {
         {{"detections", summary.localised},
          {"distance_error_median_m", number(summary.distance_error_median_m)},
          {"distance_error_p95_m", number(summary.distance_error_p95_m)},
+         {"near",
+          {{"within_m", kNearRange},
+           {"detections", summary.near_localised},
+           {"distance_error_median_m", number(summary.near_distance_error_median_m)},
+           {"distance_error_p95_m", number(summary.near_distance_error_p95_m)}}},
          {"bearing_error_median_deg", number(summary.bearing_error_median_deg)},
          {"bearing_error_p95_deg", number(summary.bearing_error_p95_deg)}}},
        {"frame_status", summary.frame_status},

@@ -51,6 +51,8 @@ void describe(auto& archive, IsA<InstanceScore> auto& instance) {
   archive("reachable", instance.reachable);
   archive("hit", instance.hit);
   archive("settled_hit", instance.settled_hit);
+  archive.later("depth_m", instance.depth_m);
+  archive.later("expected", instance.expected);
 }
 
 void describe(auto& archive, IsA<DetectionScore> auto& detection) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "disparity/parameters.hpp"
+#include "evaluation/expectation.hpp"
 #include "evaluation/frame_overlaps.hpp"
 #include "evaluation/statistics.hpp"
 
@@ -149,8 +150,10 @@ Counts FrameScore::settled() const {
   return counts;
 }
 
-SequenceEvaluator::SequenceEvaluator(std::string name, const EvaluationParams& params) : params_(params) {
+SequenceEvaluator::SequenceEvaluator(std::string name, const EvaluationParams& params, const CandidateParams& rules)
+    : params_(params), rules_(rules) {
   params.validate();
+  rules.validate();
   score_.name = std::move(name);
 }
 
@@ -180,16 +183,23 @@ SequenceEvaluator::Approach& SequenceEvaluator::follow(const VisibleInstance& in
   return approach;
 }
 
-InstanceScore SequenceEvaluator::score_instance(const VisibleInstance& instance, const FrameTruth& truth) {
+InstanceScore SequenceEvaluator::score_instance(const VisibleInstance& instance, const FrameTruth& truth,
+                                                const Detection& detection) {
   InstanceScore score;
   score.id = instance.id;
   score.visible_px = instance.visible_px;
   score.distance_m = instance.distance_m;
+  score.depth_m = instance.depth_m;
   if (!is_present(instance, params_)) return score;
-  const Approach& approach = follow(instance, truth.frame, truth.time);
+  Approach& approach = follow(instance, truth.frame, truth.time);
   score.raw = is_deep(instance, params_) && instance.distance_m.value_or(0.0) <= params_.max_range_m;
   score.settled = score.raw && truth.time - approach.start >= params_.settle_s - kTimeTolerance;
   score.reachable = approach.sightings >= params_.validation_sightings;
+  if (const std::optional<bool> in_envelope = is_in_envelope(instance, truth, detection, rules_)) {
+    // Frames without the instance begin its sightings anew, so these are never more.
+    approach.expected_sightings = *in_envelope ? std::min(approach.expected_sightings + 1, approach.sightings) : 0;
+    score.expected = approach.expected_sightings >= params_.validation_sightings;
+  }
   return score;
 }
 
@@ -250,7 +260,7 @@ DetectionScore SequenceEvaluator::score_detection(const NegativeObstacle& obstac
 void SequenceEvaluator::add(const FrameTruth& truth, const Detection& detection) {
   require_same_frame(truth, detection, score_);
   FrameScore frame{truth.frame, truth.time, detection.status, detection.ground.state, {}, {}, 0};
-  for (const VisibleInstance& instance : truth.instances) frame.instances.push_back(score_instance(instance, truth));
+  for (const VisibleInstance& instance : truth.instances) frame.instances.push_back(score_instance(instance, truth, detection));
   const std::vector<NegativeObstacle> reported = select_near(detection.obstacles, params_.max_range_m);
 
   // What the detections hit, for each set of instances that counts somewhere

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <stdexcept>
 
@@ -59,6 +60,39 @@ std::vector<EvaluationSummary::RangeBin> bin_by_range(const std::vector<Sequence
   return bins;
 }
 
+/// The bin of a value between ascending limits; the last one has no end.
+std::size_t find_bin(double value, const std::vector<double>& from) {
+  return static_cast<std::size_t>(std::ranges::upper_bound(from, value) - from.begin()) - 1;
+}
+
+std::vector<EvaluationSummary::DepthBin> bin_by_depth(const std::vector<SequenceScore>& sequences, double max_range_m) {
+  const std::vector<double> depths_from = {0.0, 0.15, 0.3, 0.6, 1.2};
+  const auto ranges = static_cast<std::size_t>(std::ceil(max_range_m));
+  std::vector<EvaluationSummary::DepthBin> bins(ranges * depths_from.size());
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    const std::size_t range = i / depths_from.size();
+    const std::size_t depth = i % depths_from.size();
+    bins[i].from_m = static_cast<double>(range);
+    bins[i].to_m = std::min(bins[i].from_m + 1.0, max_range_m);
+    bins[i].from_depth_m = depths_from[depth];
+    bins[i].to_depth_m = depth + 1 < depths_from.size() ? depths_from[depth + 1] : std::numeric_limits<double>::infinity();
+  }
+  for_each_frame(sequences, [&](const FrameScore& frame) {
+    for (const InstanceScore& instance : frame.instances) {
+      if (!instance.settled || !instance.distance_m || !instance.depth_m) continue;
+      const std::size_t range = std::min(static_cast<std::size_t>(*instance.distance_m), ranges - 1);
+      auto& bin = bins[range * depths_from.size() + find_bin(*instance.depth_m, depths_from)];
+      ++(instance.settled_hit ? bin.settled.tp : bin.settled.fn);
+      if (!instance.expected) continue;
+      ++bin.judged;
+      bin.judged_hits += instance.settled_hit ? 1 : 0;
+      bin.expected += *instance.expected ? 1 : 0;
+    }
+  });
+  std::erase_if(bins, [](const auto& bin) { return bin.settled.tp + bin.settled.fn == 0; });
+  return bins;
+}
+
 void summarise_events(EvaluationSummary& summary, const std::vector<SequenceScore>& sequences) {
   std::vector<double> distances;
   std::vector<double> lead_times;
@@ -79,16 +113,24 @@ void summarise_events(EvaluationSummary& summary, const std::vector<SequenceScor
 
 void summarise_localisation(EvaluationSummary& summary, const std::vector<SequenceScore>& sequences) {
   std::vector<double> distances;
+  std::vector<double> near_distances;
   std::vector<double> bearings;
   for_each_frame(sequences, [&](const FrameScore& frame) {
     for (const DetectionScore& detection : frame.detections) {
-      if (detection.distance_error_m) distances.push_back(std::abs(*detection.distance_error_m));
+      if (detection.distance_error_m) {
+        const double true_distance_m = detection.distance_m - *detection.distance_error_m;
+        distances.push_back(std::abs(*detection.distance_error_m));
+        if (true_distance_m <= kNearRange) near_distances.push_back(distances.back());
+      }
       if (detection.bearing_error_deg) bearings.push_back(std::abs(*detection.bearing_error_deg));
     }
   });
   summary.localised = static_cast<int>(distances.size());
   summary.distance_error_median_m = quantile(distances, 0.5);
   summary.distance_error_p95_m = quantile(distances, kTailShare);
+  summary.near_localised = static_cast<int>(near_distances.size());
+  summary.near_distance_error_median_m = quantile(near_distances, 0.5);
+  summary.near_distance_error_p95_m = quantile(near_distances, kTailShare);
   summary.bearing_error_median_deg = quantile(bearings, 0.5);
   summary.bearing_error_p95_deg = quantile(bearings, kTailShare);
 }
@@ -187,6 +229,7 @@ EvaluationSummary summarise(const std::vector<SequenceScore>& sequences, const E
   }
   count_frames(summary, sequences);
   summary.recall_by_range = bin_by_range(sequences, params.max_range_m);
+  summary.recall_by_depth = bin_by_depth(sequences, params.max_range_m);
   summarise_events(summary, sequences);
   summarise_localisation(summary, sequences);
   summarise_calibration(summary, sequences);

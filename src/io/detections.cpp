@@ -16,6 +16,7 @@ constexpr int kDegreeDigits = 3;
 constexpr int kMotionDigits = 8;  // of current_from_previous: added up over thousands of frames
 constexpr int kTimeDigits = 6;    // of seconds
 constexpr int kMillisecondDigits = 3;
+constexpr int kPixelDigits = 3;
 constexpr int kShareDigits = 3;  // of what lies in 0..1
 
 // The nearest decimal number of so many digits after the dot; null when there is none.
@@ -32,7 +33,8 @@ Json point(const Eigen::Vector3d& position) {
   return numbers;
 }
 
-Json ground(const GroundEstimate& estimate) {
+Json ground(const Detection& detection) {
+  const GroundEstimate& estimate = detection.ground;
   Json json = {{"state", to_string(estimate.state)}};
   if (!estimate.reason.empty()) json["reason"] = estimate.reason;
   json["confidence"] = rounded(estimate.confidence, kShareDigits);
@@ -40,11 +42,15 @@ Json ground(const GroundEstimate& estimate) {
   json["height_m"] = known ? rounded(estimate.pose.height_m, kMetreDigits) : Json();
   json["pitch_deg"] = known ? rounded(estimate.pose.pitch_deg, kDegreeDigits) : Json();
   json["roll_deg"] = known ? rounded(estimate.pose.roll_deg, kDegreeDigits) : Json();
+  if (detection.disparity_sd_px) json["disparity_sd_px"] = rounded(*detection.disparity_sd_px, kPixelDigits);
   return json;
 }
 
-// Type 2 is only inferred: nothing of the hole itself was measured.
-const char* evidence(CandidateType type) { return type == CandidateType::below_ground ? "observed" : "inferred"; }
+// Type 2 is only inferred: nothing of the hole itself was measured. So is what this frame does not show.
+const char* evidence(const NegativeObstacle& obstacle) {
+  const bool observed = obstacle.candidate.type == CandidateType::below_ground && obstacle.unseen_s == 0.0;
+  return observed ? "observed" : "inferred";
+}
 
 /// The pixels at which a closed chain of neighbouring pixels changes direction: filled, they are the same region in a fraction
 /// of the text.
@@ -58,11 +64,22 @@ Json contour_corners(const std::vector<cv::Point>& chain) {
   return corners;
 }
 
+Json measures(const Measures& measures) {
+  return {{"sigmas", rounded(measures.sigmas, kShareDigits)},
+          {"ground_misfit", rounded(measures.ground_misfit, kShareDigits)},
+          {"roughness", rounded(measures.roughness, kShareDigits)},
+          {"agreement", rounded(measures.agreement, kShareDigits)},
+          {"slope_deg", rounded(measures.slope_deg, kShareDigits)},
+          {"share_beyond", rounded(measures.share_beyond, kShareDigits)},
+          {"ground_share", rounded(measures.ground_share, kShareDigits)},
+          {"standing_share", rounded(measures.standing_share, kShareDigits)}};
+}
+
 Json obstacle(const NegativeObstacle& obstacle) {
   const Candidate& candidate = obstacle.candidate;
   Json json = {{"id", obstacle.id},
                {"type", to_string(candidate.type)},
-               {"evidence", evidence(candidate.type)},
+               {"evidence", evidence(obstacle)},
                {"kind", to_string(candidate.kind)},
                {"rim_nearest", point(candidate.rim_nearest)},
                {"distance_m", rounded(candidate.distance_m, kMetreDigits)},
@@ -72,8 +89,15 @@ Json obstacle(const NegativeObstacle& obstacle) {
                {"depth_m", candidate.depth_m ? rounded(*candidate.depth_m, kMetreDigits) : Json()},
                {"width_m", rounded(candidate.width_m, kMetreDigits)},
                {"area_px", candidate.area_px},
+               {"measures", measures(candidate.measures)},
                {"contour", contour_corners(candidate.contour)},
                {"track_length", obstacle.track_length}};
+  if (!candidate.types.empty()) {
+    Json types = Json::array();
+    for (const CandidateType type : candidate.types) types.push_back(to_string(type));
+    json["types"] = types;
+  }
+  if (obstacle.unseen_s > 0.0) json["unseen_s"] = rounded(obstacle.unseen_s, kTimeDigits);
   if (obstacle.probability) json["probability"] = rounded(*obstacle.probability, kShareDigits);
   return json;
 }
@@ -133,7 +157,7 @@ std::string to_json_line(const Detection& detection) {
   Json json = {
       {"frame", detection.frame}, {"time", rounded(detection.time, kTimeDigits)}, {"status", to_string(detection.status)}};
   if (!detection.reason.empty()) json["reason"] = detection.reason;
-  json["ground"] = ground(detection.ground);
+  json["ground"] = ground(detection);
   json["ego_motion"] = ego_motion(detection);
   json["obstacles"] = obstacles(detection.obstacles);
   json["tracks"] = obstacles(detection.tracks);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -124,8 +125,22 @@ std::vector<cv::Point> read_contour(const Node& node) {
   return contour;
 }
 
-CandidateType read_type(const Node& node) {
-  return read_choice(node, "type", std::array{CandidateType::below_ground, CandidateType::no_disparity});
+constexpr std::array kTypes{CandidateType::below_ground, CandidateType::no_disparity};
+
+/// Of a merged obstacle; empty where none are told.
+std::vector<CandidateType> read_types(const Node& node) {
+  constexpr const char* kName = "types";
+  std::vector<CandidateType> types;
+  if (!node.object.contains(kName)) return types;
+  const Json& list = node.object.at(kName);
+  if (!list.is_array()) fail(node.way + kName, list, "a list of types");
+  for (const Json& value : list) {
+    const auto type = std::ranges::find_if(kTypes, [&value](CandidateType one) { return value == to_string(one); });
+    if (type == kTypes.end())
+      fail(fmt::format("{}{}[{}]", node.way, kName, types.size()), value, "below_ground or no_disparity");
+    types.push_back(*type);
+  }
+  return types;
 }
 
 /// What older versions wrote has the kind, too: always "unknown".
@@ -147,9 +162,11 @@ NegativeObstacle read_obstacle(const Node& node) {
   NegativeObstacle obstacle;
   obstacle.id = read_count(node, "id");
   obstacle.track_length = read_count(node, "track_length");
+  if (node.object.contains("unseen_s")) obstacle.unseen_s = read_number(node, "unseen_s");
   obstacle.probability = read_probability(node);
   Candidate& candidate = obstacle.candidate;
-  candidate.type = read_type(node);
+  candidate.type = read_choice(node, "type", kTypes);
+  candidate.types = read_types(node);
   candidate.kind = read_kind(node);
   candidate.area_px = read_count(node, "area_px");
   candidate.contour = read_contour(node);
@@ -165,7 +182,7 @@ NegativeObstacle read_obstacle(const Node& node) {
 
 Candidate read_rejected(const Node& node) {
   Candidate candidate;
-  candidate.type = read_type(node);
+  candidate.type = read_choice(node, "type", kTypes);
   candidate.area_px = read_count(node, "area_px");
   candidate.rejection = Rejection{read_text(node, "rule"), read_number(node, "value"), read_number(node, "limit")};
   // A centroid is the mean of the contour's points: where there is one there were such points.
@@ -268,7 +285,9 @@ Detection parse_detection(const std::string& line) {
   detection.time = read_number(node, "time");
   detection.status = read_choice(node, "status", std::array{FrameStatus::ok, FrameStatus::no_picture, FrameStatus::bad_frame});
   if (json.contains("reason")) detection.reason = read_text(node, "reason");
-  detection.ground = read_ground(child(node, "ground"));
+  const Node ground = child(node, "ground");
+  detection.ground = read_ground(ground);
+  if (ground.object.contains("disparity_sd_px")) detection.disparity_sd_px = read_number(ground, "disparity_sd_px");
   read_ego_motion(child(node, "ego_motion"), detection);
   detection.obstacles = read_list(node, "obstacles", read_obstacle);
   detection.tracks = read_list(node, "tracks", read_obstacle);

@@ -125,6 +125,8 @@ std::vector<ParameterEntry> candidates_table(CandidateParams& p) {
       {"candidates.min_sigmas", &p.min_sigmas, "", "Type 1: depth in standard deviations of a single pixel, at least; 0 = any"},
       {"candidates.border_px", &p.border_px, "px",
        "Type 2 is looked for this far inside of what both cameras see of the ground"},
+      {"candidates.merge_gap_m", &p.merge_gap_m, "m",
+       "parts of one drop this near to each other, behind a handrail, are one candidate; 0 = never"},
       {"candidates.max_range_m", &p.max_range_m, "m", "candidates are looked for up to this distance in the ground plane"},
       {"candidates.tell_kind", &p.tell_kind, "", "tell stairs, edges and holes apart by their shape"},
       {"candidates.min_listed_area_px", &p.min_listed_area_px, "px", "smaller regions are not even listed as rejected"},
@@ -186,7 +188,11 @@ std::vector<ParameterEntry> tracking_table(TrackingParams& p) {
        "a candidate is the same as one whose place was this near a frame ago"},
       {"tracking.associate_rims", &p.associate_rims, "", "compare places by the nearest point of the rim, too"},
       {"tracking.max_unseen_s", &p.max_unseen_s, "s", "a track that is not seen lives on for this long"},
+      {"tracking.max_coast_s", &p.max_coast_s, "s",
+       "a validated track is told for this long unseen, while nothing contradicts it; 0 = never"},
       {"tracking.validation_s", &p.validation_s, "s", "a candidate is validated when it was seen in a row for this long"},
+      {"tracking.min_probability", &p.min_probability, "",
+       "a candidate is not validated below this probability; 0 = whatever it is, and none is told"},
       {"tracking.min_sightings", &p.min_sightings, "", "but never before it was seen so often"},
   };
 }

@@ -131,7 +131,8 @@ std::vector<VisibleInstance> count_instances(const cv::Mat1b& negative) {
   std::vector<VisibleInstance> instances;
   for (int id = 1; id < kNotLabelled; ++id) {
     const int count = pixels[static_cast<std::size_t>(id)];
-    if (count > 0) instances.push_back({.id = id, .visible_px = count, .depth_m = {}, .distance_m = {}, .bearing_deg = {}});
+    if (count > 0)
+      instances.push_back({.id = id, .visible_px = count, .depth_m = {}, .distance_m = {}, .bearing_deg = {}, .opening = {}});
   }
   return instances;
 }
@@ -175,6 +176,7 @@ FrameTruth SequenceTruth::read(int position) const {
   const auto number = static_cast<std::size_t>(truth.frame);
   truth.time = times_.empty() ? truth.frame : times_[number];
   if (!poses_.empty()) truth.world_from_camera = poses_[number];
+  truth.camera = camera_;
   truth.negative = read_mask(path);
   check_size(path, truth.negative.size(), size_);
   truth.instances = count_instances(truth.negative);
@@ -187,9 +189,8 @@ FrameTruth SequenceTruth::read(int position) const {
     visible.kind = std::ranges::find(kTypes, instance->type, &TypeOfInstance::name)->kind;
     if (!truth.world_from_camera || !camera_ || instance->opening.empty()) continue;
     const Eigen::Isometry3d camera_from_world = truth.world_from_camera->inverse();
-    std::vector<Eigen::Vector3d> opening;
-    for (const Eigen::Vector3d& point : instance->opening) opening.push_back(camera_from_world * point);
-    const RimSighting rim = find_nearest_rim(opening, *camera_, size_, disparity);
+    for (const Eigen::Vector3d& point : instance->opening) visible.opening.push_back(camera_from_world * point);
+    const RimSighting rim = find_nearest_rim(visible.opening, *camera_, size_, disparity);
     visible.distance_m = rim.distance_m;
     visible.bearing_deg = rim.bearing_deg;
   }

@@ -1,52 +1,93 @@
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 #include <map>
+#include <ranges>
 #include <stdexcept>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
 #include "brink/tracking.hpp"
+#include "candidates/evidence.hpp"
+#include "tracking/opening.hpp"
 
 namespace brink {
 namespace {
 
 constexpr std::size_t kRememberedSteps = 15;  // enough for a median that single late frames do not move
 
-/// The hull of an opening, laid onto the camera's x-z plane: a view of the ground from above, but for an affine map, which
-/// leaves the ratios of areas alone.
-std::vector<cv::Point2f> compute_hull(const std::vector<Eigen::Vector3d>& rim) {
-  std::vector<cv::Point2f> points;
-  points.reserve(rim.size());
-  for (const Eigen::Vector3d& p : rim) points.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.z()));
-  std::vector<cv::Point2f> hull;
-  if (!points.empty()) cv::convexHull(points, hull);
-  return hull;
+constexpr double kUsualStep = 1.0 / 15.0;  // s, of the walks that the probability was fitted to
+constexpr double kNewest = 0.3;            // share of the newest sighting in a track's evidence
+constexpr double kTolerance = 1e-9;        // s
+constexpr double kContradiction = 0.5;     // share of an opening that is seen to be ground: it is none
+constexpr double kTellingDepth = 0.15;     // m: a pixel that would be less far down tells nothing
+constexpr double kLeastDistance = 0.1;     // m
+constexpr int kLeastTelling = 30;          // px
+constexpr double kLeastArea = 50.0;        // px of an opening in view
+
+void move(std::vector<Eigen::Vector3d>& points, const Eigen::Isometry3d& to_from) {
+  for (Eigen::Vector3d& point : points) point = to_from * point;
 }
 
-/// Whether half of one opening lies within the other.
-bool overlap(const std::vector<cv::Point2f>& a, const std::vector<cv::Point2f>& b) {
-  if (a.size() < 3 || b.size() < 3) return false;
-  std::vector<cv::Point2f> common;
-  const double shared = cv::intersectConvexConvex(a, b, common);
-  return shared > 0.0 && 2.0 * shared >= std::min(cv::contourArea(a), cv::contourArea(b));
+void move(Candidate& candidate, const Eigen::Isometry3d& to_from) {
+  candidate.centroid = to_from * candidate.centroid;
+  candidate.nearest = to_from * candidate.nearest;
+  candidate.rim_nearest = to_from * candidate.rim_nearest;
+  move(candidate.contour_3d, to_from);
+  move(candidate.rim, to_from);
 }
 
-/// A candidate of this frame going on with a track.
-struct Link {
-  std::size_t track = 0;
-  double distance_m = 0.0;
-};
-
-// For each track the candidate that keeps its id: the nearest of those that go on with it.
-std::map<std::size_t, std::size_t> find_heirs(const std::vector<std::optional<Link>>& links) {
-  std::map<std::size_t, std::size_t> heirs;
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    if (!links[i]) continue;
-    const auto [known, is_first] = heirs.emplace(links[i]->track, i);
-    if (!is_first && links[i]->distance_m < links[known->second]->distance_m) known->second = i;
+/// Whether the ground is seen where an opening should be. Close below its far rim its wall is hardly lower than the ground:
+/// only those pixels tell whose rays pass the opening deep enough.
+bool is_contradicted(const std::vector<cv::Point>& contour, const std::optional<double>& depth_m, const FrameView& view) {
+  if (contour.empty()) return false;
+  const cv::Rect box = cv::boundingRect(contour);
+  cv::Mat1b inside(box.size(), uchar{0});
+  cv::fillPoly(inside, std::vector{contour}, cv::Scalar(255), cv::LINE_8, 0, -box.tl());
+  int telling = 0;
+  int level = 0;
+  for (int u = 0; u < box.width; ++u) {
+    double far_rim_m = 0.0;  // the ground's distance at the highest pixel of the column
+    for (int v = 0; v < box.height; ++v) {
+      if (inside(v, u) == 0) continue;
+      const auto on_ground = view.ground.intersect(box.x + u, box.y + v, view.camera);
+      if (!on_ground) continue;
+      const double distance = view.ground.distance(*on_ground);
+      if (far_rim_m == 0.0) far_rim_m = distance;
+      // The ray falls by the camera's height over `distance`, so behind it, at the far wall:
+      const double wall_m = view.ground.height_m * (far_rim_m - distance) / std::max(distance, kLeastDistance);
+      if (std::min(wall_m, depth_m.value_or(wall_m)) < kTellingDepth) continue;
+      ++telling;
+      if (view.level(box.y + v, box.x + u) != 0) ++level;
+    }
   }
-  return heirs;
+  return telling >= kLeastTelling && level > kContradiction * telling;
+}
+
+/// What of a remembered opening has left the picture is still there.
+void append_out_of_view(std::vector<Eigen::Vector3d>& rim, const std::vector<Eigen::Vector3d>& opening, const FrameView& view) {
+  std::ranges::copy_if(opening, std::back_inserter(rim),
+                       [&view](const Eigen::Vector3d& point) { return !is_in_view(point, view.camera, view.level.size()); });
+}
+
+/// Puts a remembered candidate into the picture: where its opening must be, and which point of it is the nearest in view.
+void show(Candidate& candidate, const std::vector<cv::Point>& contour, const std::vector<Eigen::Vector3d>& opening,
+          const FrameView& view) {
+  constexpr double kSpacing = 0.05;  // m
+  candidate.contour = contour;
+  candidate.area_px = static_cast<int>(cv::contourArea(contour));
+  candidate.rim.clear();
+  for (const Eigen::Vector3d& point : sample_edges(opening, kSpacing)) {
+    if (is_in_view(point, view.camera, view.level.size())) candidate.rim.push_back(point);
+  }
+  if (candidate.rim.empty()) return;
+  const GroundPose& ground = view.ground;
+  candidate.rim_nearest = *std::ranges::min_element(candidate.rim, {}, [&](const auto& p) { return ground.distance(p); });
+  candidate.distance_m = ground.distance(candidate.rim_nearest);
+  candidate.bearing_deg = ground.bearing_deg(candidate.rim_nearest);
+  candidate.width_m = compute_width(candidate.rim, ground);
 }
 
 }  // namespace
@@ -60,6 +101,9 @@ TrackingParams TrackingParams::paper() {
   TrackingParams params;
   params.associate_rims = false;
   params.max_unseen_s = 0.0;
+  params.max_coast_s = 0.0;
+  params.validation_s = 1.0 / 3.0;
+  params.min_probability = 0.0;
   return params;
 }
 
@@ -70,79 +114,116 @@ void TrackingParams::validate() const {
   };
   check("association_radius_m", association_radius_m, 0.0, 100.0);
   check("max_unseen_s", max_unseen_s, 0.0, 60.0);
+  check("max_coast_s", max_coast_s, 0.0, 60.0);
   check("validation_s", validation_s, 0.0, 60.0);
   check("min_sightings", min_sightings, 1, 1000);
+  check("min_probability", min_probability, 0.0, 1.0);
 }
+
+/// A candidate of this frame going on with a memory.
+struct Tracker::Link {
+  std::size_t memory = 0;
+  double distance_m = 0.0;
+};
 
 Tracker::Tracker(const TrackingParams& params) : params_(params) { params.validate(); }
 
 std::vector<Track> Tracker::update(const std::vector<Candidate>& candidates,
-                                   const std::optional<Eigen::Isometry3d>& current_from_previous, double time) {
+                                   const std::optional<Eigen::Isometry3d>& current_from_previous, double time,
+                                   const std::optional<FrameView>& view) {
   note_time(time);
   if (!current_from_previous) memories_.clear();
   for (Memory& memory : memories_) {
-    memory.centroid = *current_from_previous * memory.centroid;
-    memory.rim_nearest = *current_from_previous * memory.rim_nearest;
-    for (Eigen::Vector3d& point : memory.rim) point = *current_from_previous * point;
+    move(memory.track.candidate, *current_from_previous);
+    move(memory.opening, *current_from_previous);
   }
 
-  // The nearest within the radius; of equally near ones the first.
-  const auto find_nearest = [this](const Candidate& candidate) {
-    std::optional<Link> nearest;
-    const std::vector<cv::Point2f> hull = compute_hull(candidate.rim);
-    for (std::size_t i = 0; i < memories_.size(); ++i) {
-      double distance = (candidate.centroid - memories_[i].centroid).norm();
-      if (params_.associate_rims) {
-        distance = std::min(distance, (candidate.rim_nearest - memories_[i].rim_nearest).norm());
-        if (distance > params_.association_radius_m && overlap(hull, compute_hull(memories_[i].rim))) {
-          distance = params_.association_radius_m;
-        }
-      }
-      if (distance <= params_.association_radius_m && (!nearest || distance < nearest->distance_m)) nearest = Link{i, distance};
-    }
-    return nearest;
-  };
+  // Each candidate goes on with a memory; of several that go on with one the nearest keeps its id.
   std::vector<std::optional<Link>> links;
-  links.reserve(candidates.size());
-  for (const Candidate& candidate : candidates) links.push_back(find_nearest(candidate));
-  const std::map<std::size_t, std::size_t> heirs = find_heirs(links);
+  std::map<std::size_t, std::size_t> heirs;  // of memories
+  for (const Candidate& candidate : candidates) {
+    links.push_back(find_nearest(candidate));
+    if (!links.back()) continue;
+    const auto [heir, is_first] = heirs.emplace(links.back()->memory, links.size() - 1);
+    if (!is_first && links.back()->distance_m < links[heir->second]->distance_m) heir->second = links.size() - 1;
+  }
 
   std::vector<Track> tracks;
-  tracks.reserve(candidates.size());
+  std::vector<Memory> memories;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    Track track{.id = 0, .candidate = candidates[i], .length = 1, .validated = false, .kind_votes = {}};
-    if (links[i]) track.length = memories_[links[i]->track].length + 1;
-    const bool keeps_id = links[i] && heirs.at(links[i]->track) == i;
-    track.id = keeps_id ? memories_[links[i]->track].id : ++last_id_;
-    track.validated = track.length >= required_sightings();
-    if (links[i]) track.kind_votes = memories_[links[i]->track].kind_votes;
+    Track track;
+    track.candidate = candidates[i];
+    track.evidence = compute_evidence(candidates[i]);
+    std::vector<Eigen::Vector3d> rim = candidates[i].rim;
+    if (links[i]) {
+      const Memory& memory = memories_[links[i]->memory];
+      track.length = memory.track.length + 1;
+      track.evidence = kNewest * track.evidence + (1.0 - kNewest) * memory.track.evidence;
+      track.kind_votes = memory.track.kind_votes;
+      if (view) append_out_of_view(rim, memory.opening, *view);
+    }
     track.kind_votes.add(track.candidate.kind);
     track.candidate.kind = track.kind_votes.winner();
+    const bool keeps_id = links[i] && heirs.at(links[i]->memory) == i;
+    track.id = keeps_id ? memories_[links[i]->memory].track.id : ++last_id_;
+    judge(track);
+    memories.push_back({track, compute_hull(rim), time});
     tracks.push_back(std::move(track));
   }
-  remember(tracks, heirs, time);
+  coast(heirs, time, view, tracks, memories);
+  memories_ = std::move(memories);
   return tracks;
+}
+
+// The nearest within the radius; of equally near ones the first.
+std::optional<Tracker::Link> Tracker::find_nearest(const Candidate& candidate) const {
+  std::optional<Link> nearest;
+  const std::vector<Eigen::Vector3d> opening = compute_hull(candidate.rim);
+  for (std::size_t i = 0; i < memories_.size(); ++i) {
+    const Candidate& remembered = memories_[i].track.candidate;
+    double distance = (candidate.centroid - remembered.centroid).norm();
+    if (params_.associate_rims) {
+      distance = std::min(distance, (candidate.rim_nearest - remembered.rim_nearest).norm());
+      if (distance > params_.association_radius_m && overlap(opening, memories_[i].opening)) {
+        distance = params_.association_radius_m;
+      }
+    }
+    if (distance <= params_.association_radius_m && (!nearest || distance < nearest->distance_m)) nearest = Link{i, distance};
+  }
+  return nearest;
+}
+
+// What no candidate went on with: remembered while it is not too old; told, too, when it is validated and in view.
+void Tracker::coast(const std::map<std::size_t, std::size_t>& heirs, double time, const std::optional<FrameView>& view,
+                    std::vector<Track>& tracks, std::vector<Memory>& memories) const {
+  const std::size_t seen = tracks.size();
+  for (std::size_t i = 0; i < memories_.size(); ++i) {
+    const Memory& memory = memories_[i];
+    const double unseen_s = time - memory.seen;
+    const bool young = unseen_s <= params_.max_unseen_s + kTolerance;
+    Track track = memory.track;
+    track.unseen_s = unseen_s;
+    judge(track);
+    const bool coasting = track.validated && unseen_s <= params_.max_coast_s + kTolerance;
+    if (heirs.contains(i) || !(young || coasting)) continue;
+    if (!coasting || !view) {
+      memories.push_back(memory);
+      continue;
+    }
+    const auto took_its_place = [&](std::size_t k) { return overlap(memories[k].opening, memory.opening); };
+    if (std::ranges::any_of(std::views::iota(std::size_t{0}, seen), took_its_place)) continue;
+    const std::vector<cv::Point> contour = project_opening(memory.opening, view->camera, view->level.size());
+    const bool contradicted = is_contradicted(contour, memory.track.candidate.depth_m, *view);
+    if (young || !contradicted) memories.push_back(memory);
+    if (contradicted || contour.empty() || cv::contourArea(contour) < kLeastArea) continue;
+    show(track.candidate, contour, memory.opening, *view);
+    tracks.push_back(std::move(track));
+  }
 }
 
 void Tracker::miss(double time) {
   note_time(time);
   memories_.clear();
-}
-
-// This frame's tracks, and those of earlier frames that no candidate went on with, while they are not too old.
-void Tracker::remember(const std::vector<Track>& tracks, const std::map<std::size_t, std::size_t>& heirs, double time) {
-  constexpr double kTolerance = 1e-9;  // s
-  std::vector<Memory> memories;
-  memories.reserve(tracks.size() + memories_.size());
-  for (const Track& track : tracks) {
-    memories.push_back({track.id, track.length, track.candidate.centroid, track.candidate.rim_nearest, track.candidate.rim,
-                        time, track.kind_votes});
-  }
-  for (std::size_t i = 0; i < memories_.size(); ++i) {
-    const bool young = time - memories_[i].seen <= params_.max_unseen_s + kTolerance;
-    if (!heirs.contains(i) && young) memories.push_back(memories_[i]);
-  }
-  memories_ = std::move(memories);
 }
 
 void Tracker::note_time(double time) {
@@ -154,12 +235,33 @@ void Tracker::note_time(double time) {
   time_ = time;
 }
 
-int Tracker::required_sightings() const {
-  if (steps_.empty()) return params_.min_sightings;  // no rate is known yet
+// The median of the last steps, so that single late frames change nothing; empty while no rate is known.
+std::optional<double> Tracker::typical_step() const {
+  if (steps_.empty()) return std::nullopt;
   std::vector<double> sorted = steps_;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
-  const double sightings = std::min(std::round(params_.validation_s / *middle), 1e6);
+  return *middle;
+}
+
+// Logistic regression on simulated walks, printed by scripts/fit-probability (docs/algorithm.md).
+void Tracker::judge(Track& track) const {
+  constexpr double kConstant = -2.619;
+  constexpr double kEvidence = 1.441;
+  constexpr double kSightings = 1.625;  // of the logarithm of those that 15 frames a second would give
+  constexpr double kUnseen = -8.854;    // for each second
+  track.validated = track.length >= required_sightings();
+  if (params_.min_probability <= 0.0) return;
+  const double sightings = track.length * typical_step().value_or(kUsualStep) / kUsualStep;
+  const double log_odds = kConstant + kEvidence * track.evidence + kSightings * std::log(sightings) + kUnseen * track.unseen_s;
+  track.probability = 1.0 / (1.0 + std::exp(-log_odds));
+  track.validated = track.validated && *track.probability >= params_.min_probability;
+}
+
+int Tracker::required_sightings() const {
+  const std::optional<double> step = typical_step();
+  if (!step) return params_.min_sightings;
+  const double sightings = std::min(std::round(params_.validation_s / *step), 1e6);
   return std::max(params_.min_sightings, static_cast<int>(sightings));
 }
 

@@ -63,6 +63,9 @@ const std::vector<std::pair<const char*, std::vector<Case>>> kCases = {
     {"0 frames per second", sequence("badpair") + " --fps 0", kUsage},
     {"a disparity file of an unknown kind", "disparity good.png good.png --out out.bmp", kUsage},
     {"no repetitions", "bench badpair --repeat 0", kUsage},
+    {"a camera on the ground", "envelope --calib good.txt --camera-height 0", kUsage},
+    {"a camera that looks straight down", "envelope --calib good.txt --pitch 90", kUsage},
+    {"an envelope without a calibration", "envelope --camera-height 1.6", kUsage},
   }},
   {"Pictures", {
     {"missing", pair("good.png", "none.png")},

@@ -28,8 +28,8 @@ SequenceScore make_sequence() {
   frame.status = FrameStatus::bad_frame;
   frame.ground = GroundState::uncertain;
   frame.fragments = 3;
-  frame.instances = {{7, 400, 1.0 / 3.0, true, true, true, true, true},
-                     {8, 100, std::nullopt, false, false, false, false, false}};
+  frame.instances = {{7, 400, 1.0 / 3.0, true, true, true, true, true, 0.7, false},
+                     {8, 100, std::nullopt, false, false, false, false, false, std::nullopt, std::nullopt}};
   DetectionScore detection;
   detection.id = 5;
   detection.hits = {7, 8};
@@ -80,6 +80,9 @@ TEST(ScoresFile, GivesBackEveryFieldAsItWas) {
   ASSERT_EQ(frame.instances.size(), 2U);
   EXPECT_EQ(frame.instances[0].distance_m, 1.0 / 3.0);
   EXPECT_FALSE(frame.instances[1].distance_m.has_value());
+  EXPECT_EQ(frame.instances[0].depth_m, 0.7);
+  EXPECT_EQ(frame.instances[0].expected, false);
+  EXPECT_FALSE(frame.instances[1].expected.has_value());
   ASSERT_EQ(frame.detections.size(), 2U);
   EXPECT_EQ(frame.detections[0].hits, (std::vector<int>{7, 8}));
   EXPECT_EQ(frame.detections[0].distance_m, std::numeric_limits<double>::min());
@@ -127,6 +130,18 @@ TEST(ScoresFile, IsReadWithoutTheKindsThatOlderVersionsDoNotTell) {
   const StoredScores stored = read(json.dump());
   EXPECT_FALSE(stored.sequences[0].frames[0].detections[0].kind.has_value());
   EXPECT_FALSE(stored.sequences[0].frames[0].detections[0].true_kind.has_value());
+}
+
+TEST(ScoresFile, IsReadWithoutTheFieldsThatOlderOnesLack) {
+  Json json = Json::parse(to_json({make_sequence()}, {}));
+  Json& instance = json["sequences"][0]["frames"][0]["instances"][0];
+  instance.erase("depth_m");
+  instance.erase("expected");
+  const StoredScores stored = read(json.dump());
+  EXPECT_FALSE(stored.sequences[0].frames[0].instances[0].depth_m.has_value());
+  EXPECT_FALSE(stored.sequences[0].frames[0].instances[0].expected.has_value());
+  instance["expected"] = 1;
+  test::expect_line_with(fault(json.dump()), "instances[0].expected = 1, expected true or false");
 }
 
 TEST(ScoresFile, BeginsWithItsFormat) { EXPECT_TRUE(to_json({}, {}).starts_with(R"({"format":"brink-scores-1","params":{)")); }

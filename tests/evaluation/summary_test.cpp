@@ -1,3 +1,5 @@
+#include <limits>
+#include <optional>
 #include <random>
 #include <stdexcept>
 
@@ -128,6 +130,44 @@ TEST(Summary, EndsTheLastBinAtTheRange) {
   EXPECT_EQ(bins[2].to_m, 2.5);
 }
 
+InstanceScore make_instance_of_depth(bool hit, double distance_m, double depth_m, std::optional<bool> expected) {
+  InstanceScore instance = make_instance(hit, distance_m);
+  instance.depth_m = depth_m;
+  instance.expected = expected;
+  return instance;
+}
+
+TEST(Summary, SortsSettledInstancesByDistanceAndDepthBesideWhatTheEnvelopeExpects) {
+  SequenceScore sequence = make_sequence(1, 0, 0, 0);
+  std::vector<InstanceScore>& instances = sequence.frames[0].instances;
+  instances = {make_instance_of_depth(true, 1.0, 0.15, true),
+               make_instance_of_depth(false, 1.9, 0.29, true),
+               make_instance_of_depth(true, 1.5, 0.2, std::nullopt),
+               make_instance_of_depth(false, 5.0, 7.0, false),
+               make_instance_of_depth(true, 1.5, 0.3, std::nullopt),
+               make_instance_of_depth(true, 1.5, 0.3, true),
+               make_instance(true, 1.5)};  // its depth is not known
+  instances[5].settled = false;
+  const auto bins = summarise({sequence}).recall_by_depth;
+  ASSERT_EQ(bins.size(), 3U);  // those with any
+  EXPECT_EQ(bins[0].from_m, 1.0);
+  EXPECT_EQ(bins[0].to_m, 2.0);
+  EXPECT_EQ(bins[0].from_depth_m, 0.15);
+  EXPECT_EQ(bins[0].to_depth_m, 0.3);
+  EXPECT_EQ(bins[0].settled.tp, 2);
+  EXPECT_EQ(bins[0].settled.fn, 1);
+  EXPECT_EQ(bins[0].judged, 2);
+  EXPECT_EQ(bins[0].judged_hits, 1);
+  EXPECT_EQ(bins[0].expected, 2);
+  EXPECT_EQ(bins[1].from_depth_m, 0.3);
+  EXPECT_EQ(bins[1].settled.tp, 1);
+  EXPECT_EQ(bins[1].judged, 0);
+  EXPECT_EQ(bins[2].from_m, 4.0);  // the last bin holds its end
+  EXPECT_EQ(bins[2].from_depth_m, 1.2);
+  EXPECT_EQ(bins[2].to_depth_m, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(bins[2].expected, 0);
+}
+
 ApproachEvent make_event(double warned_distance_m, double lead_time_s, bool in_time) {
   ApproachEvent event;
   event.warned_frame = 0;
@@ -180,6 +220,22 @@ TEST(Summary, TellsMedianAndTailOfTheAbsoluteErrors) {
   EXPECT_NEAR(*summary.distance_error_p95_m, 1.9, 1e-12);
   EXPECT_NEAR(*summary.bearing_error_median_deg, 2.0, 1e-12);
   EXPECT_NEAR(*summary.bearing_error_p95_deg, 3.8, 1e-12);
+}
+
+TEST(Summary, TellsTheErrorsWithinThreeMetresByTheTruthApart) {
+  SequenceScore sequence = make_sequence(1, 0, 0, 0);
+  std::vector<DetectionScore>& detections = sequence.frames[0].detections;
+  detections.resize(3);
+  detections[0].distance_m = 3.25;  // truly at 3.0 m
+  detections[0].distance_error_m = 0.25;
+  detections[1].distance_m = 2.5;  // truly at 3.5 m
+  detections[1].distance_error_m = -1.0;
+  detections[2].distance_m = 1.0;  // hits nothing
+  const EvaluationSummary summary = summarise({sequence});
+  EXPECT_EQ(summary.localised, 2);
+  EXPECT_EQ(summary.near_localised, 1);
+  EXPECT_EQ(summary.near_distance_error_median_m, 0.25);
+  EXPECT_EQ(summary.near_distance_error_p95_m, 0.25);
 }
 
 TEST(Summary, TellsHowReliableProbabilitiesAre) {

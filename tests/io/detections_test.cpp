@@ -236,6 +236,16 @@ TEST(ReadDetections, ReadsTheNumbersOfEachField) {
   EXPECT_FALSE(detections[1].ground.plane.has_value());
 }
 
+TEST(ReadDetections, ReadsTheNoiseOfDisparitiesWhereItIsTold) {
+  const test::TemporaryFolder folder;
+  Detection detection = example();
+  detection.disparity_sd_px = 0.0944;
+  const std::string text = to_json_line(detection);
+  EXPECT_EQ(Json::parse(text)["ground"]["disparity_sd_px"], 0.094);
+  EXPECT_EQ(read_detections(folder.add("d.jsonl", text)).at(0).disparity_sd_px, 0.094);
+  EXPECT_FALSE(read_detections(folder.add("older.jsonl", to_json_line(example()))).at(0).disparity_sd_px.has_value());
+}
+
 Detection moving_example() {
   Detection detection = example();
   detection.ego_motion_state = EgoMotionState::ok;

@@ -102,6 +102,16 @@ TEST_F(WrittenTruth, TellsEachFrameWithItsInstances) {
   EXPECT_THROW((void)truth.read(-1), std::out_of_range);
 }
 
+TEST_F(WrittenTruth, TellsTheOpeningAsTheCameraSeesIt) {
+  const FrameTruth frame = open().read(2);  // 0.5 m on
+  EXPECT_EQ(frame.camera.value().focal, kCamera.focal);
+  const std::vector<Eigen::Vector3d> expected = on_ground({{-0.3, 2.5}, {0.3, 2.5}, {0.3, 3.1}, {-0.3, 3.1}});
+  ASSERT_EQ(frame.instances[0].opening.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_LT((frame.instances[0].opening[i] - expected[i]).norm(), 1e-5) << i;
+  }
+}
+
 TEST_F(WrittenTruth, PutsTheNearestRimAtTheBorderOfTheMask) {
   const SequenceTruth truth = open();
   for (int position = 0; position < truth.size(); ++position) {
@@ -129,6 +139,8 @@ TEST_F(WrittenTruth, KnowsNoDistanceWithoutCalibration) {
   std::filesystem::remove(path("calib.txt"));
   const FrameTruth frame = open().read(1);
   EXPECT_TRUE(frame.world_from_camera.has_value());
+  EXPECT_FALSE(frame.camera.has_value());
+  EXPECT_TRUE(frame.instances[0].opening.empty());
   EXPECT_FALSE(frame.instances[0].distance_m.has_value());
 }
 

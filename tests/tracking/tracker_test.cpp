@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 #include "brink/tracking.hpp"
 #include "expect_error.hpp"
@@ -175,6 +176,130 @@ TEST(Tracker, TellsTheKindOfMostSightings) {
     const std::vector<Track> tracks = tracker.update({candidate}, kRest, static_cast<double>(i) * kStep);
     EXPECT_EQ(tracks[0].candidate.kind, told[i]) << i;
   }
+}
+
+/// A camera at 1.6 m that looks 40 degrees down, a hole of 1 x 1 m whose near rim is at that distance, and what is known of it.
+struct HoleAhead {
+  explicit HoleAhead(double distance_m) {
+    view.camera = {.focal = 350.0, .cx = 319.5, .cy = 179.5, .baseline = 0.15};
+    view.ground = compute_ground_pose(make_ground_plane(1.6, 40.0, 0.0, view.camera), view.camera);
+    view.level = cv::Mat1b(360, 640, uchar{0});
+    for (const auto& [x, z] : {std::pair{-0.5, 0.0}, {0.5, 0.0}, {0.5, 1.0}, {-0.5, 1.0}}) {
+      hole.rim.emplace_back(view.ground.down * 1.6 + view.ground.right * x + view.ground.forward * (distance_m + z));
+    }
+    hole.rim_nearest = hole.centroid = 0.5 * (hole.rim[0] + hole.rim[1]);
+    hole.depth_m = 1.0;
+    hole.area_px = 8000;
+    hole.measures = {.sigmas = 20.0, .ground_misfit = 0.6, .roughness = 1.0};
+  }
+  /// The camera walks ahead along the ground.
+  [[nodiscard]] Eigen::Isometry3d step(double metres) const {
+    return Eigen::Isometry3d(Eigen::Translation3d(-metres * view.ground.forward));
+  }
+  FrameView view;
+  Candidate hole;
+};
+
+/// Follows the hole over so many frames of a camera at rest.
+void see(Tracker& tracker, const HoleAhead& ahead, int frames) {
+  for (int i = 0; i < frames; ++i) (void)tracker.update({ahead.hole}, kRest, i * kStep, ahead.view);
+}
+
+TEST(Tracker, TellsAValidatedHoleWhileItIsHidden) {
+  const HoleAhead ahead(2.0);
+  Tracker tracker;
+  see(tracker, ahead, 6);
+  const std::vector<Track> hidden = tracker.update({}, ahead.step(0.1), 6 * kStep, ahead.view);
+  ASSERT_EQ(hidden.size(), 1U);
+  EXPECT_EQ(hidden[0].id, 1);
+  EXPECT_TRUE(hidden[0].validated);
+  EXPECT_NEAR(hidden[0].unseen_s, kStep, 1e-9);
+  EXPECT_NEAR(hidden[0].candidate.distance_m, 1.9, 1e-6);
+  EXPECT_NEAR(hidden[0].candidate.bearing_deg, 0.0, 0.1);
+  EXPECT_NEAR(hidden[0].candidate.width_m, 1.0, 1e-6);
+  // The middle of the opening lies within the contour.
+  const Eigen::Vector3d middle = HoleAhead(1.9).hole.centroid + 0.5 * ahead.view.ground.forward;
+  const Eigen::Vector3d pixel = ahead.view.camera.project(middle);
+  const cv::Point2f at_middle(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
+  EXPECT_GT(cv::pointPolygonTest(hidden[0].candidate.contour, at_middle, false), 0.0);
+}
+
+TEST(Tracker, ForgetsAHoleWhereTheGroundIsSeen) {
+  const HoleAhead ahead(2.0);
+  Tracker tracker;
+  see(tracker, ahead, 6);
+  FrameView level = ahead.view;
+  level.level.setTo(255);
+  EXPECT_TRUE(tracker.update({}, kRest, 6 * kStep, level).empty());
+  for (int i = 7; i < 12; ++i) EXPECT_TRUE(tracker.update({}, kRest, i * kStep, level).empty());
+  EXPECT_TRUE(tracker.update({}, kRest, 12 * kStep, ahead.view).empty()) << "forgotten, not only hidden";
+}
+
+// What is left of an opening at the lower border of the picture is the wall below its far rim, hardly lower than the ground.
+TEST(Tracker, IsNotContradictedByTheFarWallOfAHoleThatLeavesThePicture) {
+  const HoleAhead ahead(0.6);
+  Tracker tracker;
+  see(tracker, ahead, 6);
+  FrameView level = ahead.view;
+  level.level.setTo(255);
+  const std::vector<Track> leaving = tracker.update({}, ahead.step(0.88), 6 * kStep, level);
+  ASSERT_EQ(leaving.size(), 1U);
+  EXPECT_GT(leaving[0].unseen_s, 0.0);
+}
+
+TEST(Tracker, TellsNothingOfAHoleThatIsOutOfView) {
+  const HoleAhead ahead(1.0);
+  Tracker tracker;
+  see(tracker, ahead, 6);
+  EXPECT_TRUE(tracker.update({}, ahead.step(2.5), 6 * kStep, ahead.view).empty());
+  EXPECT_EQ(tracker.update({}, ahead.step(-2.5), 7 * kStep, ahead.view).size(), 1U) << "back in view";
+}
+
+TEST(Tracker, CoastsNoLongerThanItIsLikely) {
+  const HoleAhead ahead(2.0);
+  const auto count_frames = [&](int sightings) {
+    Tracker tracker;
+    see(tracker, ahead, sightings);
+    int frames = 0;
+    while (frames < 100 && !tracker.update({}, kRest, (sightings + frames) * kStep, ahead.view).empty()) ++frames;
+    return frames;
+  };
+  EXPECT_GT(count_frames(3), 0);
+  EXPECT_GT(count_frames(6), count_frames(3));
+  EXPECT_EQ(count_frames(60), 15) << "max_coast_s";
+}
+
+TEST(Tracker, TellsOneOfTwoTracksOfOneOpening) {
+  HoleAhead ahead(2.0);
+  HoleAhead part = ahead;  // a fragment, near enough to be followed as its own
+  part.hole.rim.resize(3);
+  part.hole.rim_nearest = part.hole.centroid = ahead.hole.centroid + 0.6 * ahead.view.ground.forward;
+  Tracker tracker;
+  for (int i = 0; i < 6; ++i) (void)tracker.update({ahead.hole, part.hole}, kRest, i * kStep, ahead.view);
+  EXPECT_EQ(tracker.update({ahead.hole}, kRest, 6 * kStep, ahead.view).size(), 1U);
+}
+
+TEST(Tracker, IsSurerOfALongTrackAndOfStrongEvidence) {
+  const HoleAhead ahead(2.0);
+  Tracker tracker;
+  const double first = *tracker.update({ahead.hole}, kRest, 0.0, ahead.view)[0].probability;
+  (void)tracker.update({ahead.hole}, kRest, kStep, ahead.view);
+  const Track third = tracker.update({ahead.hole}, kRest, 2 * kStep, ahead.view)[0];
+  EXPECT_GT(*third.probability, first);
+  EXPECT_TRUE(third.validated) << "3 sightings";
+  HoleAhead weak(2.0);
+  weak.hole.area_px = 160;
+  weak.hole.measures = {.sigmas = 6.0, .ground_misfit = 0.1, .roughness = 2.5};
+  Tracker other;
+  see(other, weak, 9);
+  const Track tenth = other.update({weak.hole}, kRest, 9 * kStep, weak.view)[0];
+  EXPECT_LT(*tenth.probability, 0.6);
+  EXPECT_FALSE(tenth.validated);
+}
+
+TEST(Tracker, TellsNoProbabilityInThePapersMethod) {
+  Tracker tracker(TrackingParams::paper());
+  for (const Track& track : follow(tracker, 5, kStep)) EXPECT_FALSE(track.probability.has_value());
 }
 
 TEST(Tracker, KeepsTheRateWhenOneFrameIsLate) {
