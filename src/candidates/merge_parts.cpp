@@ -110,6 +110,7 @@ Candidate join(Candidate larger, Candidate other, const GroundPose& pose) {
     if (std::ranges::find(types, type) == types.end()) types.push_back(type);
   }
   larger.types = std::move(types);
+  if (larger.kind == ObstacleKind::unknown) larger.kind = other.kind;
   const auto points = static_cast<double>(larger.contour_3d.size());
   const auto more = static_cast<double>(other.contour_3d.size());
   if (points + more > 0.0) larger.centroid = (points * larger.centroid + more * other.centroid) / (points + more);

@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "io/measure_fields.hpp"
+
 namespace brink {
 namespace {
 
@@ -65,14 +67,9 @@ Json contour_corners(const std::vector<cv::Point>& chain) {
 }
 
 Json measures(const Measures& measures) {
-  return {{"sigmas", rounded(measures.sigmas, kShareDigits)},
-          {"ground_misfit", rounded(measures.ground_misfit, kShareDigits)},
-          {"roughness", rounded(measures.roughness, kShareDigits)},
-          {"agreement", rounded(measures.agreement, kShareDigits)},
-          {"slope_deg", rounded(measures.slope_deg, kShareDigits)},
-          {"share_beyond", rounded(measures.share_beyond, kShareDigits)},
-          {"ground_share", rounded(measures.ground_share, kShareDigits)},
-          {"standing_share", rounded(measures.standing_share, kShareDigits)}};
+  Json json = Json::object();
+  for (const MeasureField& field : kMeasureFields) json[field.name] = rounded(measures.*field.value, kShareDigits);
+  return json;
 }
 
 Json obstacle(const NegativeObstacle& obstacle) {

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "brink/detections.hpp"
+#include "io/measure_fields.hpp"
 #include "io/text.hpp"
 
 namespace brink {
@@ -149,6 +150,15 @@ ObstacleKind read_kind(const Node& node) {
                      std::array{ObstacleKind::unknown, ObstacleKind::stairs_down, ObstacleKind::edge, ObstacleKind::hole});
 }
 
+/// Files of older versions have none.
+Measures read_measures(const Node& node) {
+  Measures measures;
+  if (!node.object.contains("measures")) return measures;
+  const Node object = child(node, "measures");
+  for (const MeasureField& field : kMeasureFields) measures.*field.value = read_number(object, field.name);
+  return measures;
+}
+
 std::optional<double> read_probability(const Node& node) {
   constexpr const char* kName = "probability";
   if (!node.object.contains(kName)) return std::nullopt;
@@ -169,6 +179,7 @@ NegativeObstacle read_obstacle(const Node& node) {
   candidate.types = read_types(node);
   candidate.kind = read_kind(node);
   candidate.area_px = read_count(node, "area_px");
+  candidate.measures = read_measures(node);
   candidate.contour = read_contour(node);
   candidate.centroid = read_point(node, "centroid");
   candidate.nearest = read_point(node, "nearest");

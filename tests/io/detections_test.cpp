@@ -35,6 +35,14 @@ NegativeObstacle example_obstacle() {
   candidate.bearing_deg = 11.70049;
   candidate.depth_m = 0.9;
   candidate.width_m = 1.4;
+  candidate.measures = {.sigmas = 18.2,
+                        .ground_misfit = 0.51,
+                        .roughness = 1.25,
+                        .agreement = 0.8,
+                        .slope_deg = 34.5,
+                        .share_beyond = 0.125,
+                        .ground_share = 0.9,
+                        .standing_share = 0.0625};
   return obstacle;
 }
 
@@ -82,7 +90,9 @@ TEST(JsonLine, HoldsEveryFieldOfAnObstacleRounded) {
   ASSERT_EQ(json["obstacles"].size(), 1U);
   EXPECT_EQ(json["obstacles"][0], Json::parse(R"({"id":3,"type":"below_ground","evidence":"observed","kind":"unknown",
     "rim_nearest":[0.41,0.66,2.47],"distance_m":2.0,"bearing_deg":11.7,"nearest":[0.48,1.02,2.95],"centroid":[0.5,1.1,3.1235],
-    "depth_m":0.9,"width_m":1.4,"area_px":812,"contour":[[10,20],[30,20],[30,40]],"track_length":9})"));
+    "depth_m":0.9,"width_m":1.4,"area_px":812,
+    "measures":{"sigmas":18.2,"ground_misfit":0.51,"roughness":1.25,"agreement":0.8,"slope_deg":34.5,"share_beyond":0.125,
+    "ground_share":0.9,"standing_share":0.063},"contour":[[10,20],[30,20],[30,40]],"track_length":9})"));
   EXPECT_TRUE(json["tracks"].empty());
   EXPECT_TRUE(json["rejected"].empty());
 }
@@ -244,6 +254,25 @@ TEST(ReadDetections, ReadsTheNoiseOfDisparitiesWhereItIsTold) {
   EXPECT_EQ(Json::parse(text)["ground"]["disparity_sd_px"], 0.094);
   EXPECT_EQ(read_detections(folder.add("d.jsonl", text)).at(0).disparity_sd_px, 0.094);
   EXPECT_FALSE(read_detections(folder.add("older.jsonl", to_json_line(example()))).at(0).disparity_sd_px.has_value());
+}
+
+TEST(ReadDetections, ReadsMergedRememberedAndMeasuredObstacles) {
+  const test::TemporaryFolder folder;
+  Detection detection = example();
+  detection.obstacles[0].candidate.types = {CandidateType::below_ground, CandidateType::no_disparity};
+  detection.obstacles[0].unseen_s = 0.133;
+  const std::string text = to_json_line(detection);
+  const Json obstacle = Json::parse(text)["obstacles"][0];
+  EXPECT_EQ(obstacle["types"], Json::parse(R"(["below_ground","no_disparity"])"));
+  EXPECT_EQ(obstacle["evidence"], "inferred") << "not seen in this frame";
+  const NegativeObstacle read = read_detections(folder.add("d.jsonl", text)).at(0).obstacles.at(0);
+  EXPECT_EQ(read.candidate.types, detection.obstacles[0].candidate.types);
+  EXPECT_EQ(read.unseen_s, 0.133);
+  EXPECT_EQ(read.candidate.measures.slope_deg, 34.5);
+  std::string wrong = text;
+  wrong.replace(wrong.find("no_disparity\"]"), 12, "no_such_type");
+  test::expect_line_with(test::error_of<std::runtime_error>([&] { (void)read_detections(folder.add("w.jsonl", wrong)); }),
+                         "obstacles[0].types[1]");
 }
 
 Detection moving_example() {
