@@ -130,19 +130,25 @@ Frame at_pose(const Frame& frame, int index, const Eigen::Isometry3d& world_from
 
 const Eigen::Isometry3d kRest = Eigen::Isometry3d::Identity();
 
-TEST(Detector, ValidatesAHoleAtItsFifthSighting) {
+/// Expects a hole that does not move to be reported from so many sightings on.
+void expect_validated_at(int sightings, const DetectorParams& params) {
   const Frame frame = make_hole_frame();
-  Detector detector;
-  for (int i = 0; i < 6; ++i) {
+  Detector detector(params);
+  for (int i = 0; i < sightings + 2; ++i) {
+    const bool validated = i + 1 >= sightings;
     const Detection detection = detector.process(at_pose(frame, i, kRest));
     EXPECT_EQ(detection.ego_motion_state, i == 0 ? EgoMotionState::failed : EgoMotionState::given);
-    ASSERT_EQ(detection.obstacles.size(), i < 4 ? 0U : 1U) << i;
-    ASSERT_EQ(detection.tracks.size(), i < 4 ? 1U : 0U) << i;
-    const NegativeObstacle& hole = i < 4 ? detection.tracks[0] : detection.obstacles[0];
+    ASSERT_EQ(detection.obstacles.size(), validated ? 1U : 0U) << i;
+    ASSERT_EQ(detection.tracks.size(), validated ? 0U : 1U) << i;
+    const NegativeObstacle& hole = validated ? detection.obstacles[0] : detection.tracks[0];
     EXPECT_EQ(hole.id, 1);
     EXPECT_EQ(hole.track_length, i + 1);
   }
 }
+
+TEST(Detector, ValidatesAHoleAtItsFifthSightingByThePapersRules) { expect_validated_at(5, DetectorParams::paper()); }
+
+TEST(Detector, ValidatesABlackHoleAtItsFifthSightingToo) { expect_validated_at(5, DetectorParams::brink()); }
 
 // The pictures stay the same while the poses say that the camera walks on: that cannot be the same hole.
 TEST(Detector, DoesNotFollowWhatContradictsTheMotion) {
@@ -222,7 +228,7 @@ TEST(Detector, FollowsAlongTheGroundWithoutPictures) {
     const double nod = i % 2 == 0 ? 0.0 : 1.0;
     const Detection detection = detector.process(depth_frame(hole_disparity(1.5 + 0.1 * nod, 25.0 + 10.0 * nod), i));
     EXPECT_EQ(detection.ego_motion_state, i == 0 ? EgoMotionState::failed : EgoMotionState::ground) << i;
-    const auto& followed = i < 4 ? detection.tracks : detection.obstacles;
+    const auto& followed = i < 2 ? detection.tracks : detection.obstacles;
     ASSERT_EQ(followed.size(), 1U) << i;
     EXPECT_EQ(followed[0].id, 1);
     EXPECT_EQ(followed[0].track_length, i + 1);

@@ -37,13 +37,14 @@ struct CandidateParams {
   double min_slope_deg = 10.0;        ///< Type 1: a quarter of its rim must be steeper than a slope that people walk; 0 = any
   double max_share_beyond = 0.5;  ///< Type 1: at most this share of it may lie beyond its far rim, as mirrors show it; 1 = all
   double max_roughness = 2.2;     ///< Type 1: its disparities may scatter this many times as much as the ground's; 0 = any
-  double min_ground_misfit = 0.08;  ///< Type 1: the ground must explain the pictures worse by this share; 0 = no test
-  double max_share_standing = 0.5;  ///< Type 2: at most this share of its border may stand above the ground; 1 = no test
-  int touching_gap_px = 12;         ///< pixels without disparity between a region and what it touches, at most
-  double min_sigmas = 6.0;          ///< Type 1 lies this many standard deviations of a single pixel below the ground; 0 = any
-  int below_ground_min_area_px = 150;  ///< T_a1: area must be greater
+  double min_ground_misfit = 0.08;    ///< Type 1: the ground must explain the pictures worse by this share; 0 = no test
+  double max_share_standing = 0.5;    ///< Type 2: at most this share of its border may stand above the ground; 1 = no test
+  int touching_gap_px = 12;           ///< pixels without disparity between a region and what it touches, at most
+  double min_sigmas = 6.0;            ///< Type 1 lies this many standard deviations of a single pixel below the ground; 0 = any
+  int below_ground_min_area_px = 60;  ///< T_a1: area must be greater
   int no_disparity_min_area_px = 150;  ///< T_a2: area must be greater
   int min_touching_px = 5;             ///< pixels of the other kind in the 1-px ring that count as touching
+  double black_share = 0.33;           ///< Type 2: ... or at most this share of how bright the ground around it is; 0 = not
   double black_level = 20.0;           ///< Type 2: mean colour, maximum of B, G, R (or mean grey), at most this
   int border_px = 10;           ///< Type 2 is looked for only where both cameras see the ground, this far from their edges
   double merge_gap_m = 0.3;     ///< parts of one drop this near to each other, behind a handrail, are one candidate; 0 = never
@@ -51,9 +52,9 @@ struct CandidateParams {
   bool tell_kind = true;        ///< tell what a candidate is by its shape; false = all are unknown
   int min_listed_area_px = 30;  ///< smaller regions are specks: not even listed as rejected
 
-  /// Without what brink adds: measured_depth_ratio 1, rim_depth_ratio 1, min_slope_deg 0, min_sigmas 0, max_share_beyond 1,
-  /// max_roughness 0, min_ground_misfit 0, max_share_standing 1, touching_gap_px 0, border_px 0, merge_gap_m 0,
-  /// tell_kind false.
+  /// Without what brink adds: below_ground_min_area_px 150, black_share 0, measured_depth_ratio 1, rim_depth_ratio 1,
+  /// min_slope_deg 0, min_sigmas 0, max_share_beyond 1, max_roughness 0, min_ground_misfit 0, max_share_standing 1,
+  /// touching_gap_px 0, border_px 0, merge_gap_m 0, tell_kind false.
   static CandidateParams paper();
   void validate() const;  ///< @throws std::invalid_argument "candidates.name = value, must be ..."
 };

@@ -75,11 +75,12 @@ struct Touching {
   int below_ground = 0;
   int above_ground = 0;
   int valid = 0;
+  double ground_brightness = 0.0;  ///< mean grey of the ground pixels; 0 without any, or without a picture
 };
 
 /// @param none 255 = no disparity.
-Touching count_touching(const Region& region, const cv::Mat1b& none, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
-                        const CandidateParams& params) {
+Touching count_touching(const Region& region, const cv::Mat1b& none, const cv::Mat1b& left, const cv::Mat1f& disparity,
+                        const cv::Mat1f& elevation, const CandidateParams& params) {
   Touching touching;
   for (const cv::Point& p : ring_pixels(region, none, params.touching_gap_px)) {
     const PixelKind kind = pixel_kind(disparity(p), elevation(p), params);
@@ -87,7 +88,9 @@ Touching count_touching(const Region& region, const cv::Mat1b& none, const cv::M
     touching.ground += kind == PixelKind::ground ? 1 : 0;
     touching.below_ground += kind == PixelKind::below_ground ? 1 : 0;
     touching.above_ground += kind == PixelKind::other && elevation(p) > 0.0F ? 1 : 0;
+    if (kind == PixelKind::ground && !left.empty()) touching.ground_brightness += left(p);
   }
+  touching.ground_brightness /= std::max(1, touching.ground);
   return touching;
 }
 
@@ -228,6 +231,8 @@ double compute_width(const std::vector<Eigen::Vector3d>& rim, const GroundPose& 
 
 CandidateParams CandidateParams::paper() {
   CandidateParams params;
+  params.below_ground_min_area_px = 150;
+  params.black_share = 0.0;
   params.measured_depth_ratio = 1.0;
   params.rim_depth_ratio = 1.0;
   params.min_slope_deg = 0.0;
@@ -264,6 +269,7 @@ void CandidateParams::validate() const {
   require_param(no_disparity_min_area_px >= 0, "no_disparity_min_area_px", no_disparity_min_area_px, "0 or more");
   require_param(min_touching_px >= 0, "min_touching_px", min_touching_px, "0 or more");
   require_param(black_level >= 0.0 && black_level <= 255.0, "black_level", black_level, "0 to 255");
+  require_param(black_share >= 0.0 && black_share <= 1.0, "black_share", black_share, "0 to 1");
   require_param(border_px >= 0 && border_px <= 1000, "border_px", border_px, "0 to 1000");
   require_param(merge_gap_m >= 0.0 && merge_gap_m <= 10.0, "merge_gap_m", merge_gap_m, "0 to 10");
   require_param(max_range_m > 0.0 && max_range_m <= 1000.0, "max_range_m", max_range_m, "above 0 to 1000");
@@ -293,7 +299,7 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
     if (deep_px < params.min_listed_area_px) continue;
     Candidate candidate = measure(frame, region, CandidateType::below_ground, disparity, ground);
     candidate.depth_m = compute_depth(region, elevation);
-    const Touching touching = count_touching(region, none, disparity, elevation, params);
+    const Touching touching = count_touching(region, none, frame.left, disparity, elevation, params);
     require(candidate, "area", deep_px > params.below_ground_min_area_px, deep_px, params.below_ground_min_area_px);
     require(candidate, "touches_ground", touching.ground >= params.min_touching_px, touching.ground, params.min_touching_px);
     Measures& measures = candidate.measures;
@@ -343,7 +349,7 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
   std::vector<Candidate> candidates;
   for (const Region& region : find_regions(mask, params.min_listed_area_px)) {
     Candidate candidate = measure(frame, region, CandidateType::no_disparity, disparity, ground);
-    const Touching touching = count_touching(region, none, disparity, elevation, params);
+    const Touching touching = count_touching(region, none, frame.left, disparity, elevation, params);
     candidate.measures = measure_border(touching);
     const int surface = touching.ground + touching.below_ground;
     const double brightest = std::max({candidate.mean_color[0], candidate.mean_color[1], candidate.mean_color[2]});
@@ -351,7 +357,8 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
             params.no_disparity_min_area_px);
     require(candidate, "touches_valid", touching.valid >= params.min_touching_px, touching.valid, params.min_touching_px);
     require(candidate, "touches_ground", surface >= params.min_touching_px, surface, params.min_touching_px);
-    require(candidate, "black", brightest <= params.black_level, brightest, params.black_level);
+    const double black = std::max(params.black_level, params.black_share * touching.ground_brightness);
+    require(candidate, "black", brightest <= black, brightest, black);
     if (params.max_share_standing < 1.0) {
       const double standing = candidate.measures.standing_share;
       require(candidate, "standing", standing <= params.max_share_standing, standing, params.max_share_standing);

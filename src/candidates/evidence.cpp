@@ -7,13 +7,13 @@ namespace brink {
 namespace {
 
 // Printed by scripts/fit-probability.
-constexpr double kConstant = -10.77;
-constexpr double kArea = 1.181;    // of the logarithm
-constexpr double kSigmas = 1.190;  // of the logarithm
-constexpr double kMisfit = 3.818;
-constexpr double kRoughness = -2.364;  // of the logarithm
+constexpr double kConstant = -12.282;
+constexpr double kArea = 1.533;    // of the logarithm
+constexpr double kSigmas = 0.943;  // of the logarithm
+constexpr double kMisfit = 1.837;
+constexpr double kRoughness = -1.092;  // of the logarithm
 
-constexpr double kNoDisparity = 1.0;
+constexpr double kNoDisparity = 1.1;  // enough to be validated at the fifth sighting, as by the paper
 constexpr double kLeast = -4.0;
 constexpr double kMost = 6.0;
 

@@ -123,6 +123,8 @@ std::vector<ParameterEntry> candidates_table(CandidateParams& p) {
       {"candidates.touching_gap_px", &p.touching_gap_px, "px",
        "pixels without disparity between a region and what it touches, at most"},
       {"candidates.min_sigmas", &p.min_sigmas, "", "Type 1: depth in standard deviations of a single pixel, at least; 0 = any"},
+      {"candidates.black_share", &p.black_share, "share",
+       "Type 2: or its mean colour is at most this share of how bright the ground around it is; 0 = not"},
       {"candidates.border_px", &p.border_px, "px",
        "Type 2 is looked for this far inside of what both cameras see of the ground"},
       {"candidates.merge_gap_m", &p.merge_gap_m, "m",

@@ -117,6 +117,15 @@ cv::Mat1f through_file(const cv::Mat1f& disparity, const std::string& extension)
   return read_disparity(path);
 }
 
+/// Without times, and without what only the right picture tells.
+void leave_out_what_differs(Detection& detection) {
+  detection.times = {};
+  for (NegativeObstacle& obstacle : detection.obstacles) {
+    obstacle.candidate.measures = {};
+    obstacle.probability.reset();
+  }
+}
+
 TEST(Potholes, AreTheSameFromDisparityFilesOfEachKind) {
   BRINK_REQUIRE_DATA(folder, "pothole_b");
   ::setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1);
@@ -128,13 +137,13 @@ TEST(Potholes, AreTheSameFromDisparityFilesOfEachKind) {
     const Frame frame = sequence.read(i).frame;
     Detection pair = Detector(params).process(frame);
     ASSERT_FALSE(pair.obstacles.empty());
-    pair.times = {};
+    leave_out_what_differs(pair);
     for (const std::string extension : {".pfm", ".tiff", ".exr", ".png"}) {
       SCOPED_TRACE(fmt::format("{} {}", i, extension));
       const cv::Mat1f disparity = through_file(pair.disparity, extension);
       Detection given = Detector(params).process(
           make_frame_with_disparity(frame.left_color, disparity, frame.camera, frame.index, frame.time));
-      given.times = {};
+      leave_out_what_differs(given);
       if (extension != ".png") {
         EXPECT_EQ(to_json_line(given), to_json_line(pair));
         continue;

