@@ -42,19 +42,20 @@ struct CandidateParams {
   int touching_gap_px = 12;           ///< pixels without disparity between a region and what it touches, at most
   double min_sigmas = 6.0;            ///< Type 1 lies this many standard deviations of a single pixel below the ground; 0 = any
   int below_ground_min_area_px = 60;  ///< T_a1: area must be greater
-  int no_disparity_min_area_px = 150;  ///< T_a2: area must be greater
-  int min_touching_px = 5;             ///< pixels of the other kind in the 1-px ring that count as touching
-  double black_share = 0.33;           ///< Type 2: ... or at most this share of how bright the ground around it is; 0 = not
-  double black_level = 20.0;           ///< Type 2: mean colour, maximum of B, G, R (or mean grey), at most this
+  double below_ground_min_msr = 0.306;  ///< ... and so must this solid angle: the paper's 150 px at its focal length, 700 px
+  int no_disparity_min_area_px = 150;   ///< T_a2: area must be greater
+  int min_touching_px = 5;              ///< pixels of the other kind in the 1-px ring that count as touching
+  double black_share = 0.33;            ///< Type 2: ... or at most this share of how bright the ground around it is; 0 = not
+  double black_level = 20.0;            ///< Type 2: mean colour, maximum of B, G, R (or mean grey), at most this
   int border_px = 10;           ///< Type 2 is looked for only where both cameras see the ground, this far from their edges
   double merge_gap_m = 0.3;     ///< parts of one drop this near to each other, behind a handrail, are one candidate; 0 = never
   double max_range_m = 8.0;     ///< candidates are looked for up to this distance in the ground plane
   bool tell_kind = true;        ///< tell what a candidate is by its shape; false = all are unknown
   int min_listed_area_px = 30;  ///< smaller regions are specks: not even listed as rejected
 
-  /// Without what brink adds: below_ground_min_area_px 150, black_share 0, measured_depth_ratio 1, rim_depth_ratio 1,
-  /// min_slope_deg 0, min_sigmas 0, max_share_beyond 1, max_roughness 0, min_ground_misfit 0, max_share_standing 1,
-  /// touching_gap_px 0, border_px 0, merge_gap_m 0, tell_kind false.
+  /// Without what brink adds: below_ground_min_area_px 150, below_ground_min_msr 0, black_share 0, measured_depth_ratio 1,
+  /// rim_depth_ratio 1, min_slope_deg 0, min_sigmas 0, max_share_beyond 1, max_roughness 0, min_ground_misfit 0,
+  /// max_share_standing 1, touching_gap_px 0, border_px 0, merge_gap_m 0, tell_kind false.
   static CandidateParams paper();
   void validate() const;  ///< @throws std::invalid_argument "candidates.name = value, must be ..."
 };
@@ -69,14 +70,15 @@ struct Rejection {
 
 /// What the rules measured of a region, for and against it.
 struct Measures {
-  double sigmas = 0.0;          ///< Type 1: half of its deep part lies at least so many standard deviations below the ground
-  double ground_misfit = 0.0;   ///< Type 1: by what share the ground explains the pictures worse, 0..1
-  double roughness = 0.0;       ///< Type 1: scatter of its disparities in that of the ground
-  double agreement = 0.0;       ///< Type 1: of both pictures about it, -1..1
-  double slope_deg = 0.0;       ///< Type 1: at its rim
-  double share_beyond = 0.0;    ///< Type 1: what of it lies beyond its far rim
-  double ground_share = 0.0;    ///< of its border with a disparity: at the height of the ground
-  double standing_share = 0.0;  ///< of its border with a disparity: above the ground
+  double solid_angle_msr = 0.0;  ///< that it takes of the view: its pixels over the squared focal length, 1e-3 sr
+  double sigmas = 0.0;           ///< Type 1: half of its deep part lies at least so many standard deviations below the ground
+  double ground_misfit = 0.0;    ///< Type 1: by what share the ground explains the pictures worse, 0..1
+  double roughness = 0.0;        ///< Type 1: scatter of its disparities in that of the ground
+  double agreement = 0.0;        ///< Type 1: of both pictures about it, -1..1
+  double slope_deg = 0.0;        ///< Type 1: at its rim
+  double share_beyond = 0.0;     ///< Type 1: what of it lies beyond its far rim
+  double ground_share = 0.0;     ///< of its border with a disparity: at the height of the ground
+  double standing_share = 0.0;   ///< of its border with a disparity: above the ground
 };
 
 /// A region that may be a negative obstacle. Points in the left camera frame, m.

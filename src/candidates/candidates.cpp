@@ -167,6 +167,10 @@ double compute_sigmas(const cv::Mat1b& deep, const cv::Mat1f& disparity, const c
   return *middle;
 }
 
+double compute_solid_angle_msr(int area_px, const StereoCamera& camera) {
+  return 1000.0 * area_px / (camera.focal * camera.focal);
+}
+
 Measures measure_border(const Touching& touching) {
   Measures measures;
   if (touching.valid == 0) return measures;
@@ -232,6 +236,7 @@ double compute_width(const std::vector<Eigen::Vector3d>& rim, const GroundPose& 
 CandidateParams CandidateParams::paper() {
   CandidateParams params;
   params.below_ground_min_area_px = 150;
+  params.below_ground_min_msr = 0.0;
   params.black_share = 0.0;
   params.measured_depth_ratio = 1.0;
   params.rim_depth_ratio = 1.0;
@@ -266,6 +271,8 @@ void CandidateParams::validate() const {
   require_param(touching_gap_px >= 0 && touching_gap_px <= 1000, "touching_gap_px", touching_gap_px, "0 to 1000");
   require_param(min_sigmas >= 0.0 && min_sigmas <= 1000.0, "min_sigmas", min_sigmas, "0 to 1000");
   require_param(below_ground_min_area_px >= 0, "below_ground_min_area_px", below_ground_min_area_px, "0 or more");
+  require_param(below_ground_min_msr >= 0.0 && below_ground_min_msr <= 1000.0, "below_ground_min_msr", below_ground_min_msr,
+                "0 to 1000");
   require_param(no_disparity_min_area_px >= 0, "no_disparity_min_area_px", no_disparity_min_area_px, "0 or more");
   require_param(min_touching_px >= 0, "min_touching_px", min_touching_px, "0 or more");
   require_param(black_level >= 0.0 && black_level <= 255.0, "black_level", black_level, "0 to 255");
@@ -290,6 +297,8 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
   const cv::Mat1b deep((elevation <= -depth_wanted) & valid & range);
   const cv::Mat1b low((elevation <= -params.rim_depth_ratio * depth_wanted) & valid & range);
   const cv::Mat1b level((elevation > -params.rim_depth_ratio * depth_wanted) & valid & (elevation < params.ground_tolerance_m));
+  const double min_area_px =
+      std::max<double>(params.below_ground_min_area_px, params.below_ground_min_msr / compute_solid_angle_msr(1, frame.camera));
   const double ground_roughness_px = std::max(kLeastRoughnessPx, ground.roughness_px);
 
   std::vector<Candidate> candidates;
@@ -300,10 +309,11 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
     Candidate candidate = measure(frame, region, CandidateType::below_ground, disparity, ground);
     candidate.depth_m = compute_depth(region, elevation);
     const Touching touching = count_touching(region, none, frame.left, disparity, elevation, params);
-    require(candidate, "area", deep_px > params.below_ground_min_area_px, deep_px, params.below_ground_min_area_px);
+    require(candidate, "area", deep_px > min_area_px, deep_px, min_area_px);
     require(candidate, "touches_ground", touching.ground >= params.min_touching_px, touching.ground, params.min_touching_px);
     Measures& measures = candidate.measures;
     measures = measure_border(touching);
+    measures.solid_angle_msr = compute_solid_angle_msr(region.area_px, frame.camera);
     measures.sigmas = compute_sigmas(deep_here, disparity, elevation, ground);
     if (params.min_slope_deg > 0.0) {
       const double slope_deg = compute_rim_slope_deg(region, deep, level, disparity, frame.camera, pose);
@@ -351,6 +361,7 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
     Candidate candidate = measure(frame, region, CandidateType::no_disparity, disparity, ground);
     const Touching touching = count_touching(region, none, frame.left, disparity, elevation, params);
     candidate.measures = measure_border(touching);
+    candidate.measures.solid_angle_msr = compute_solid_angle_msr(region.area_px, frame.camera);
     const int surface = touching.ground + touching.below_ground;
     const double brightest = std::max({candidate.mean_color[0], candidate.mean_color[1], candidate.mean_color[2]});
     require(candidate, "area", region.area_px > params.no_disparity_min_area_px, region.area_px,

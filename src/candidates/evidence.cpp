@@ -7,13 +7,13 @@ namespace brink {
 namespace {
 
 // Printed by scripts/fit-probability.
-constexpr double kConstant = -12.282;
-constexpr double kArea = 1.533;    // of the logarithm
-constexpr double kSigmas = 0.943;  // of the logarithm
-constexpr double kMisfit = 1.837;
-constexpr double kRoughness = -1.092;  // of the logarithm
+constexpr double kConstant = -8.568;
+constexpr double kSolidAngle = 1.815;  // of the logarithm
+constexpr double kSigmas = 2.006;      // of the logarithm
+constexpr double kMisfit = 1.390;
+constexpr double kRoughness = -1.430;  // of the logarithm
 
-constexpr double kNoDisparity = 1.1;  // enough to be validated at the fifth sighting, as by the paper
+constexpr double kNoDisparity = 0.6;  // enough to be validated at the fifth sighting, as by the paper
 constexpr double kLeast = -4.0;
 constexpr double kMost = 6.0;
 
@@ -27,7 +27,7 @@ double log_of(double value) {
 double compute_evidence(const Candidate& candidate) {
   if (candidate.type == CandidateType::no_disparity) return kNoDisparity;
   const Measures& measures = candidate.measures;
-  const double log_odds = kConstant + kArea * log_of(candidate.area_px) + kSigmas * log_of(measures.sigmas) +
+  const double log_odds = kConstant + kSolidAngle * log_of(measures.solid_angle_msr) + kSigmas * log_of(measures.sigmas) +
                           kMisfit * measures.ground_misfit + kRoughness * log_of(measures.roughness);
   return std::clamp(log_odds, kLeast, kMost);
 }

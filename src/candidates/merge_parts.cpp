@@ -102,7 +102,7 @@ void append(std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vecto
   points.insert(points.end(), more.begin(), more.end());
 }
 
-/// The larger part tells type, colour and kind; the nearest point of each sort is that of the part which has it.
+/// The larger part tells type, colour, kind and measures; the nearest point of each sort is that of the part which has it.
 Candidate join(Candidate larger, Candidate other, const GroundPose& pose) {
   if (larger.area_px < other.area_px) std::swap(larger, other);
   std::vector<CandidateType> types = larger.types.empty() ? std::vector{larger.type} : larger.types;
@@ -118,6 +118,7 @@ Candidate join(Candidate larger, Candidate other, const GroundPose& pose) {
   append(larger.contour_3d, other.contour_3d);
   append(larger.rim, other.rim);
   larger.area_px += other.area_px;
+  larger.measures.solid_angle_msr += other.measures.solid_angle_msr;
   if (other.nearest.norm() < larger.nearest.norm()) larger.nearest = other.nearest;
   if (other.depth_m) larger.depth_m = std::max(larger.depth_m.value_or(0.0), *other.depth_m);
   if (other.distance_m < larger.distance_m) {

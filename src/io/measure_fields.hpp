@@ -13,6 +13,7 @@ struct MeasureField {
 
 /// What a candidate's `measures` are called in JSON, in their order.
 inline constexpr std::array kMeasureFields{
+    MeasureField{"solid_angle_msr", &Measures::solid_angle_msr},
     MeasureField{"sigmas", &Measures::sigmas},
     MeasureField{"ground_misfit", &Measures::ground_misfit},
     MeasureField{"roughness", &Measures::roughness},

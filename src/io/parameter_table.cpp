@@ -102,6 +102,8 @@ std::vector<ParameterEntry> candidates_table(CandidateParams& p) {
       {"candidates.ground_tolerance_m", &p.ground_tolerance_m, "m", "a pixel nearer to the ground than this is a ground pixel"},
       {"candidates.min_depth_m", &p.min_depth_m, "m", "Type 1 lies at least this far below the ground"},
       {"candidates.below_ground_min_area_px", &p.below_ground_min_area_px, "px", "Type 1: the area must be greater"},
+      {"candidates.below_ground_min_msr", &p.below_ground_min_msr, "1e-3 sr",
+       "Type 1: ... and so must its solid angle; 0 = any"},
       {"candidates.no_disparity_min_area_px", &p.no_disparity_min_area_px, "px", "Type 2: the area must be greater"},
       {"candidates.min_touching_px", &p.min_touching_px, "px",
        "pixels of the other kind in the ring around a region that count as touching"},

@@ -35,7 +35,8 @@ NegativeObstacle example_obstacle() {
   candidate.bearing_deg = 11.70049;
   candidate.depth_m = 0.9;
   candidate.width_m = 1.4;
-  candidate.measures = {.sigmas = 18.2,
+  candidate.measures = {.solid_angle_msr = 6.75,
+                        .sigmas = 18.2,
                         .ground_misfit = 0.51,
                         .roughness = 1.25,
                         .agreement = 0.8,
@@ -91,7 +92,7 @@ TEST(JsonLine, HoldsEveryFieldOfAnObstacleRounded) {
   EXPECT_EQ(json["obstacles"][0], Json::parse(R"({"id":3,"type":"below_ground","evidence":"observed","kind":"unknown",
     "rim_nearest":[0.41,0.66,2.47],"distance_m":2.0,"bearing_deg":11.7,"nearest":[0.48,1.02,2.95],"centroid":[0.5,1.1,3.1235],
     "depth_m":0.9,"width_m":1.4,"area_px":812,
-    "measures":{"sigmas":18.2,"ground_misfit":0.51,"roughness":1.25,"agreement":0.8,"slope_deg":34.5,"share_beyond":0.125,
+    "measures":{"solid_angle_msr":6.75,"sigmas":18.2,"ground_misfit":0.51,"roughness":1.25,"agreement":0.8,"slope_deg":34.5,"share_beyond":0.125,
     "ground_share":0.9,"standing_share":0.063},"contour":[[10,20],[30,20],[30,40]],"track_length":9})"));
   EXPECT_TRUE(json["tracks"].empty());
   EXPECT_TRUE(json["rejected"].empty());

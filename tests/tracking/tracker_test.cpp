@@ -190,7 +190,7 @@ struct HoleAhead {
     hole.rim_nearest = hole.centroid = 0.5 * (hole.rim[0] + hole.rim[1]);
     hole.depth_m = 1.0;
     hole.area_px = 8000;
-    hole.measures = {.sigmas = 20.0, .ground_misfit = 0.6, .roughness = 1.0};
+    hole.measures = {.solid_angle_msr = 65.0, .sigmas = 20.0, .ground_misfit = 0.6, .roughness = 1.0};
   }
   /// The camera walks ahead along the ground.
   [[nodiscard]] Eigen::Isometry3d step(double metres) const {
@@ -257,7 +257,7 @@ TEST(Tracker, TellsNothingOfAHoleThatIsOutOfView) {
 
 TEST(Tracker, CoastsNoLongerThanItIsLikely) {
   HoleAhead ahead(2.0);
-  ahead.hole.area_px = 1500;
+  ahead.hole.measures.solid_angle_msr = 12.0;
   ahead.hole.measures.sigmas = 10.0;
   const auto count_frames = [&](int sightings) {
     Tracker tracker;
@@ -290,12 +290,11 @@ TEST(Tracker, IsSurerOfALongTrackAndOfStrongEvidence) {
   EXPECT_GT(*third.probability, first);
   EXPECT_TRUE(third.validated) << "3 sightings";
   HoleAhead weak(2.0);
-  weak.hole.area_px = 160;
-  weak.hole.measures = {.sigmas = 6.0, .ground_misfit = 0.1, .roughness = 2.5};
+  weak.hole.measures = {.solid_angle_msr = 1.3, .sigmas = 6.0, .ground_misfit = 0.1, .roughness = 2.5};
   Tracker other;
   see(other, weak, 9);
   const Track tenth = other.update({weak.hole}, kRest, 9 * kStep, weak.view)[0];
-  EXPECT_LT(*tenth.probability, 0.8);
+  EXPECT_LT(*tenth.probability, 0.7);
   EXPECT_FALSE(tenth.validated);
 }
 
