@@ -163,7 +163,7 @@ Run add_detect(CLI::App& command) {
           "frame into this folder: ground, disparity, candidates, drops")
       ->type_name("FILE|FOLDER");
   command.add_flag("--stills", options->stills,
-                   "The pictures are unrelated: report every candidate at once instead of following it over frames");
+                   "The pictures are unrelated: report what is likely at once instead of following it over frames");
   command
       .add_option(
           "--poses", options->poses,

@@ -14,6 +14,8 @@
 namespace brink {
 namespace {
 
+constexpr double kLikelyAtOnce = 0.5;  // a picture alone must do: more likely than not
+
 /// Milliseconds since the last call, or since it was made.
 class Stopwatch {
  public:
@@ -199,7 +201,8 @@ void Detector::report(const Frame& frame, Detection& detection) {
                                       .track_length = 1,
                                       .unseen_s = 0.0,
                                       .probability = compute_still_probability(candidate)};
-      (in_range(candidate) ? detection.obstacles : detection.tracks).push_back(obstacle);
+      const bool likely = obstacle.probability.value_or(1.0) >= kLikelyAtOnce;
+      (likely && in_range(candidate) ? detection.obstacles : detection.tracks).push_back(obstacle);
     }
     return;
   }

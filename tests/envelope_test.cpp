@@ -77,12 +77,12 @@ TEST(DropSighting, AsksForTheDepthOfTheRules) {
   EXPECT_EQ(rule_of(2.0, 0.06, {}, {}, rules), "seen");
 }
 
-// Level camera: rows from 5 to 5.53 m, where the far wall is 0.135 m down, are 10.8; they are 350 * 0.1 / 5 = 7 px wide, 6.3
-// of which end 0.135 m down a side wall: 68 px.
+// Level camera: rows from 5 to 5.53 m, where the far wall is 0.135 m down, are 10.8; they are 350 * 0.05 / 5 = 3.5 px
+// wide, less what ends higher up a side wall: 34 px.
 TEST(DropSighting, OfASmallHoleHasTooFewPixels) {
-  const DropSighting sighting = compute_sighting(make_drop(5.0, 2.0, {1.0, 0.1}), at({.pitch_deg = 0.0}));
+  const DropSighting sighting = compute_sighting(make_drop(5.0, 2.0, {1.0, 0.05}), at({.pitch_deg = 0.0}));
   ASSERT_EQ(rule_of(sighting), "area");
-  EXPECT_NEAR(sighting.rejection->value, 68.0, 12.0);
+  EXPECT_NEAR(sighting.rejection->value, 34.0, 12.0);
 }
 
 // Half the field of view is atan(180 / 350) = 27 degrees; the far rim at 2 m is 39 degrees down.

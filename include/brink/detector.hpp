@@ -25,7 +25,8 @@ struct DetectorParams {
   EgoMotionParams ego_motion;
   TrackingParams tracking;
   double report_range_m = 5.0;  ///< obstacles are reported up to this distance of their rim in the ground plane
-  bool stills = false;          ///< the frames are unrelated: every candidate in range is an obstacle at once, track_length 1;
+  bool stills = false;          ///< the frames are unrelated: what is in range and more likely there than not is an obstacle at
+                                ///< once, track_length 1;
                                 ///< no ego-motion, no tracking
 
   static DetectorParams brink();  ///< whatever measures best: the defaults

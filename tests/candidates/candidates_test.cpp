@@ -157,7 +157,7 @@ TEST_F(Candidates, ABlackHoleWithoutDisparityIsType2) {
   EXPECT_NEAR(hole.distance_m, pose.distance(*pose.intersect(319, 220, camera_)), 0.01);
 }
 
-// The ground has a grey value of 110: a third of it is 36.
+// The ground has a grey value of 112: a third of it is 36.96.
 TEST_F(Candidates, BlackIsAThirdOfTheGroundsBrightness) {
   see({});
   blacken({300, 200, 30, 20}, {30, 32, 36});
@@ -166,7 +166,7 @@ TEST_F(Candidates, BlackIsAThirdOfTheGroundsBrightness) {
   const Candidate grey = no_disparity().at(0);
   ASSERT_TRUE(grey.rejection);
   EXPECT_EQ(grey.rejection->rule, "black");
-  EXPECT_NEAR(grey.rejection->limit, 0.33 * 110.0, 1e-9);
+  EXPECT_NEAR(grey.rejection->limit, 0.33 * 112.0, 1e-9);
 }
 
 TEST_F(Candidates, GreyAboveTheLevelIsNotBlack) {
