@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <iterator>
 #include <map>
-#include <ranges>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -196,7 +195,7 @@ std::optional<Tracker::Link> Tracker::find_nearest(const Candidate& candidate) c
 // What no candidate went on with: remembered while it is not too old; told, too, when it is validated and in view.
 void Tracker::coast(const std::map<std::size_t, std::size_t>& heirs, double time, const std::optional<FrameView>& view,
                     std::vector<Track>& tracks, std::vector<Memory>& memories) const {
-  const std::size_t seen = tracks.size();
+  const auto seen = static_cast<std::ptrdiff_t>(tracks.size());
   for (std::size_t i = 0; i < memories_.size(); ++i) {
     const Memory& memory = memories_[i];
     const double unseen_s = time - memory.seen;
@@ -210,8 +209,8 @@ void Tracker::coast(const std::map<std::size_t, std::size_t>& heirs, double time
       memories.push_back(memory);
       continue;
     }
-    const auto took_its_place = [&](std::size_t k) { return overlap(memories[k].opening, memory.opening); };
-    if (std::ranges::any_of(std::views::iota(std::size_t{0}, seen), took_its_place)) continue;
+    const auto took_its_place = [&memory](const Memory& other) { return overlap(other.opening, memory.opening); };
+    if (std::any_of(memories.begin(), memories.begin() + seen, took_its_place)) continue;
     const std::vector<cv::Point> contour = project_opening(memory.opening, view->camera, view->level.size());
     const bool contradicted = is_contradicted(contour, memory.track.candidate.depth_m, *view);
     if (young || !contradicted) memories.push_back(memory);
