@@ -84,6 +84,7 @@ std::vector<cv::Point> project_opening(const std::vector<Eigen::Vector3d>& hull,
   cv::convexHull(projected, convex);
   if (cv::intersectConvexConvex(convex, picture, visible) <= 0.0F) return {};
   std::vector<cv::Point> pixels;
+  pixels.reserve(visible.size());
   for (const cv::Point2f& corner : visible) pixels.emplace_back(cvRound(corner.x), cvRound(corner.y));
   return pixels;
 }
