@@ -1,7 +1,6 @@
 #include "brink/detector.hpp"
 
 #include <chrono>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -136,6 +135,7 @@ Detection Detector::process(const Frame& frame) {
     sort_out(select_below_ground(frame, detection.disparity, detection.elevation, ground, params_.candidates), detection);
     detection.times.below_ground = stage.lap_ms();
     sort_out(select_no_disparity(frame, detection.disparity, detection.elevation, ground, params_.candidates), detection);
+    // Our own: one hole, one obstacle
     detection.candidates = merge_parts(std::move(detection.candidates), detection.elevation, detection.ground.pose,
                                        frame.camera, params_.candidates);
     detection.times.no_disparity = stage.lap_ms();
@@ -193,7 +193,7 @@ void Detector::report(const Frame& frame, Detection& detection) {
   if (params_.stills) {  // without a past there is nothing to validate with
     const auto compute_still_probability = [this](const Candidate& candidate) -> std::optional<double> {
       if (params_.tracking.min_probability <= 0.0) return std::nullopt;
-      return 1.0 / (1.0 + std::exp(-compute_evidence(candidate)));
+      return to_probability(compute_evidence(candidate));
     };
     for (const Candidate& candidate : detection.candidates) {
       const NegativeObstacle obstacle{.id = static_cast<int>(detection.obstacles.size() + detection.tracks.size()) + 1,

@@ -45,8 +45,8 @@ struct CandidateParams {
   double below_ground_min_msr = 0.306;  ///< ... and so must this solid angle: the paper's 150 px at its focal length, 700 px
   int no_disparity_min_area_px = 150;   ///< T_a2: area must be greater
   int min_touching_px = 5;              ///< pixels of the other kind in the 1-px ring that count as touching
-  double black_share = 0.33;            ///< Type 2: ... or at most this share of how bright the ground around it is; 0 = not
-  double black_level = 20.0;            ///< Type 2: mean colour, maximum of B, G, R (or mean grey), at most this
+  double black_share = 0.33;    ///< Type 2: mean colour at most this share of the ground's brightness around it (0 = not),
+  double black_level = 20.0;    ///< ... or at most this; mean colour is the maximum of B, G, R (or mean grey)
   int border_px = 10;           ///< Type 2 is looked for only where both cameras see the ground, this far from their edges
   double merge_gap_m = 0.3;     ///< parts of one drop this near to each other, behind a handrail, are one candidate; 0 = never
   double max_range_m = 8.0;     ///< candidates are looked for up to this distance in the ground plane

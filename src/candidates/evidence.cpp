@@ -32,4 +32,6 @@ double compute_evidence(const Candidate& candidate) {
   return std::clamp(log_odds, kLeast, kMost);
 }
 
+double to_probability(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
+
 }  // namespace brink

@@ -9,4 +9,7 @@ namespace brink {
 /// docs/algorithm.md); -4 to 6. Of Type 2 there were too few to fit; it has a fixed one.
 double compute_evidence(const Candidate& candidate);
 
+/// Log-odds to a probability, 0..1.
+double to_probability(double log_odds);
+
 }  // namespace brink

@@ -81,12 +81,13 @@ void show(Candidate& candidate, const std::vector<cv::Point>& contour, const std
   for (const Eigen::Vector3d& point : sample_edges(opening, kSpacing)) {
     if (is_in_view(point, view.camera, view.level.size())) candidate.rim.push_back(point);
   }
-  if (candidate.rim.empty()) return;
   const GroundPose& ground = view.ground;
-  candidate.rim_nearest = *std::ranges::min_element(candidate.rim, {}, [&](const auto& p) { return ground.distance(p); });
+  if (!candidate.rim.empty()) {  // else the rim is all around the picture, and the nearest point the remembered one
+    candidate.width_m = compute_width(candidate.rim, ground);
+    candidate.rim_nearest = *std::ranges::min_element(candidate.rim, {}, [&](const auto& p) { return ground.distance(p); });
+  }
   candidate.distance_m = ground.distance(candidate.rim_nearest);
   candidate.bearing_deg = ground.bearing_deg(candidate.rim_nearest);
-  candidate.width_m = compute_width(candidate.rim, ground);
 }
 
 }  // namespace
@@ -197,6 +198,7 @@ void Tracker::coast(const std::map<std::size_t, std::size_t>& heirs, double time
                     std::vector<Track>& tracks, std::vector<Memory>& memories) const {
   const auto seen = static_cast<std::ptrdiff_t>(tracks.size());
   for (std::size_t i = 0; i < memories_.size(); ++i) {
+    if (heirs.contains(i)) continue;
     const Memory& memory = memories_[i];
     const double unseen_s = time - memory.seen;
     const bool young = unseen_s <= params_.max_unseen_s + kTolerance;
@@ -204,7 +206,7 @@ void Tracker::coast(const std::map<std::size_t, std::size_t>& heirs, double time
     track.unseen_s = unseen_s;
     judge(track);
     const bool coasting = track.validated && unseen_s <= params_.max_coast_s + kTolerance;
-    if (heirs.contains(i) || !(young || coasting)) continue;
+    if (!young && !coasting) continue;
     if (!coasting || !view) {
       memories.push_back(memory);
       continue;
@@ -253,7 +255,7 @@ void Tracker::judge(Track& track) const {
   if (params_.min_probability <= 0.0) return;
   const double sightings = track.length * typical_step().value_or(kUsualStep) / kUsualStep;
   const double log_odds = kConstant + kEvidence * track.evidence + kSightings * std::log(sightings) + kUnseen * track.unseen_s;
-  track.probability = 1.0 / (1.0 + std::exp(-log_odds));
+  track.probability = to_probability(log_odds);
   track.validated = track.validated && *track.probability >= params_.min_probability;
 }
 
