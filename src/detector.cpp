@@ -1,6 +1,7 @@
 #include "brink/detector.hpp"
 
 #include <chrono>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -52,6 +53,7 @@ DetectorParams DetectorParams::paper() {
   params.ground = GroundParams::paper();
   params.candidates = CandidateParams::paper();
   params.tracking = TrackingParams::paper();
+  params.report_slack_m = 0.0;
   return params;
 }
 
@@ -63,6 +65,9 @@ void DetectorParams::validate() const {
   tracking.validate();
   if (!(report_range_m > 0.0 && report_range_m <= 1000.0)) {
     throw std::invalid_argument(fmt::format("detector.report_range_m = {}, must be above 0 to 1000", report_range_m));
+  }
+  if (!(report_slack_m >= 0.0 && report_slack_m <= 1000.0)) {
+    throw std::invalid_argument(fmt::format("detector.report_slack_m = {}, must be 0 to 1000", report_slack_m));
   }
 }
 
@@ -189,7 +194,6 @@ void Detector::align_grounds(const Frame& frame, Detection& detection) {
 }
 
 void Detector::report(const Frame& frame, Detection& detection) {
-  const auto in_range = [this](const Candidate& candidate) { return candidate.distance_m <= params_.report_range_m; };
   if (params_.stills) {  // without a past there is nothing to validate with
     const auto compute_still_probability = [this](const Candidate& candidate) -> std::optional<double> {
       if (params_.tracking.min_probability <= 0.0) return std::nullopt;
@@ -202,7 +206,7 @@ void Detector::report(const Frame& frame, Detection& detection) {
                                       .unseen_s = 0.0,
                                       .probability = compute_still_probability(candidate)};
       const bool likely = obstacle.probability.value_or(1.0) >= kLikelyAtOnce;
-      (likely && in_range(candidate) ? detection.obstacles : detection.tracks).push_back(obstacle);
+      (likely && candidate.distance_m <= params_.report_range_m ? detection.obstacles : detection.tracks).push_back(obstacle);
     }
     return;
   }
@@ -214,14 +218,22 @@ void Detector::report(const Frame& frame, Detection& detection) {
     const cv::Mat1b level((detection.elevation > -level_m) & (detection.elevation < level_m));
     view = FrameView{.camera = frame.camera, .ground = detection.ground.pose, .level = level};
   }
+  std::set<int> reported;
   for (const Track& track : tracker_.update(detection.candidates, current_from_previous, frame.time, view)) {
     const NegativeObstacle obstacle{.id = track.id,
                                     .candidate = track.candidate,
                                     .track_length = track.length,
                                     .unseen_s = track.unseen_s,
                                     .probability = track.probability};
-    (track.validated && in_range(track.candidate) ? detection.obstacles : detection.tracks).push_back(obstacle);
+    const double range_m = params_.report_range_m + (reported_.contains(track.id) ? params_.report_slack_m : 0.0);
+    if (track.validated && track.candidate.distance_m <= range_m) {
+      reported.insert(track.id);
+      detection.obstacles.push_back(obstacle);
+    } else {
+      detection.tracks.push_back(obstacle);
+    }
   }
+  reported_ = std::move(reported);
 }
 
 Detection make_failed_detection(int frame, double time, FrameStatus status, const std::string& reason) {

@@ -179,11 +179,31 @@ TEST(Detector, RefusesFramesOutOfOrder) {
   EXPECT_THROW((void)detector.process(at_pose(frame, 0, kRest)), std::invalid_argument);
 }
 
-/// Flat ground with a hole 0.5 m deep, its rim 2.2 m away, as a depth sensor sees it that is carried in this way.
-cv::Mat1f hole_disparity(double height_m = 1.6, double pitch_deg = 30.0) {
+/// Flat ground with a hole 0.5 m deep, as a depth sensor sees it that is carried in this way.
+cv::Mat1f hole_disparity(double height_m = 1.6, double pitch_deg = 30.0, double rim_m = 2.2) {
   const StereoCamera camera = test::half_size_camera();
   const GroundPlane plane = make_ground_plane(height_m, pitch_deg, 0.0, camera);
-  return test::make_disparity(camera, test::half_size(), plane, {{2.2, 2.9, -0.3, 0.6, 0.5}});
+  return test::make_disparity(camera, test::half_size(), plane, {{rim_m, rim_m + 0.7, -0.3, 0.6, 0.5}});
+}
+
+TEST(Detector, GoesOnReportingALittleBeyondTheReportRange) {
+  DetectorParams params;
+  params.report_range_m = 2.1;
+  const cv::Mat1b bright(test::half_size(), uchar{120});
+  for (const double slack_m : {0.0, 0.5}) {
+    params.report_slack_m = slack_m;
+    Detector detector(params);
+    int index = 0;
+    const auto is_reported = [&](double rim_m) {
+      const Frame frame = make_frame_with_disparity(bright, hole_disparity(1.6, 30.0, rim_m), test::half_size_camera());
+      return !detector.process(at_pose(frame, index++, kRest)).obstacles.empty();
+    };
+    for (int i = 0; i < 5; ++i) EXPECT_FALSE(is_reported(2.3)) << "never reported yet";
+    for (int i = 0; i < 2; ++i) EXPECT_TRUE(is_reported(2.0));
+    for (int i = 0; i < 2; ++i) EXPECT_EQ(is_reported(2.3), slack_m > 0.0);
+    EXPECT_FALSE(is_reported(2.7)) << "beyond the slack";
+    EXPECT_FALSE(is_reported(2.3)) << "no longer reported";
+  }
 }
 
 TEST(Detector, TakesAGivenDisparityInPlaceOfMatching) {

@@ -37,6 +37,7 @@ struct CandidateParams {
   double min_slope_deg = 10.0;        ///< Type 1: a quarter of its rim must be steeper than a slope that people walk; 0 = any
   double max_share_beyond = 0.5;  ///< Type 1: at most this share of it may lie beyond its far rim, as mirrors show it; 1 = all
   double max_roughness = 2.2;     ///< Type 1: its disparities may scatter this many times as much as the ground's; 0 = any
+  double min_agreement = 0.2;     ///< Type 1: correlation that three quarters of its windows reach, at least; 0 = no test
   double min_ground_misfit = 0.08;    ///< Type 1: the ground must explain the pictures worse by this share; 0 = no test
   double max_share_standing = 0.5;    ///< Type 2: at most this share of its border may stand above the ground; 1 = no test
   int touching_gap_px = 12;           ///< pixels without disparity between a region and what it touches, at most
@@ -47,23 +48,25 @@ struct CandidateParams {
   int min_touching_px = 5;              ///< pixels of the other kind in the 1-px ring that count as touching
   double black_share = 0.33;    ///< Type 2: mean colour at most this share of the ground's brightness around it (0 = not),
   double black_level = 20.0;    ///< ... or at most this; mean colour is the maximum of B, G, R (or mean grey)
+  bool black_by_median = true;  ///< ... or the brightness that half of its pixels do not exceed is
   int border_px = 10;           ///< Type 2 is looked for only where both cameras see the ground, this far from their edges
   double merge_gap_m = 0.3;     ///< parts of one drop this near to each other, behind a handrail, are one candidate; 0 = never
   double max_range_m = 8.0;     ///< candidates are looked for up to this distance in the ground plane
   bool tell_kind = true;        ///< tell what a candidate is by its shape; false = all are unknown
   int min_listed_area_px = 30;  ///< smaller regions are specks: not even listed as rejected
 
-  /// Without what brink adds: below_ground_min_area_px 150, below_ground_min_msr 0, black_share 0, measured_depth_ratio 1,
-  /// rim_depth_ratio 1, min_slope_deg 0, min_sigmas 0, max_share_beyond 1, max_roughness 0, min_ground_misfit 0,
-  /// max_share_standing 1, touching_gap_px 0, border_px 0, merge_gap_m 0, tell_kind false.
+  /// Without what brink adds: below_ground_min_area_px 150, below_ground_min_msr 0, black_share 0, black_by_median false,
+  /// measured_depth_ratio 1, rim_depth_ratio 1, min_slope_deg 0, min_sigmas 0, max_share_beyond 1, max_roughness 0,
+  /// min_agreement 0, min_ground_misfit 0, max_share_standing 1, touching_gap_px 0, border_px 0, merge_gap_m 0, tell_kind
+  /// false.
   static CandidateParams paper();
   void validate() const;  ///< @throws std::invalid_argument "candidates.name = value, must be ..."
 };
 
 /// The rule that a region failed, with its value and its limit. All in the unit that the rule's parameter has.
 struct Rejection {
-  std::string rule;  ///< "area", "touches_valid", "touches_ground", "slope", "beyond_rim", "rough", "like_ground", "black",
-                     ///< "standing", "contour"
+  std::string rule;  ///< "area", "touches_valid", "touches_ground", "slope", "beyond_rim", "rough", "disagree", "like_ground",
+                     ///< "black", "standing", "contour"
   double value = 0.0;
   double limit = 0.0;
 };

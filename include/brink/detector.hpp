@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct DetectorParams {
   EgoMotionParams ego_motion;
   TrackingParams tracking;
   double report_range_m = 5.0;  ///< obstacles are reported up to this distance of their rim in the ground plane
+  double report_slack_m = 0.5;  ///< ... and, once they were, up to this much farther: no flicker at the limit
   bool stills = false;          ///< the frames are unrelated: what is in range and more likely there than not is an obstacle at
                                 ///< once, track_length 1;
                                 ///< no ego-motion, no tracking
@@ -88,7 +90,7 @@ struct Detection {
   std::vector<Candidate> candidates;        ///< passed every rule
   std::vector<Candidate> rejected;          ///< failed one, each with its rejection
   std::string no_disparity_off;             ///< why Type 2 cannot be looked for in such frames; empty when it can
-  std::vector<NegativeObstacle> obstacles;  ///< validated and within report_range_m
+  std::vector<NegativeObstacle> obstacles;  ///< validated and within report_range_m (and slack)
   std::vector<NegativeObstacle> tracks;     ///< seen but not validated, or farther
   StageTimes times;
 };
@@ -121,6 +123,7 @@ class Detector {
   Tracker tracker_;
   std::optional<Eigen::Isometry3d> last_world_from_camera_;  // given with the last frame
   std::optional<GroundPose> last_ground_;                    // of the last frame; empty when it was not visible
+  std::set<int> reported_;                                   // ids of the last frame's obstacles
 };
 
 /// The answer for a frame that could not be read or processed. @param status not ok.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 
 #include <Eigen/Geometry>
@@ -130,6 +131,26 @@ cv::Scalar compute_mean_color(const Frame& frame, const Region& region) {
   return {grey, grey, grey};
 }
 
+/// The brightness, greatest of B, G and R, that half of a region's pixels do not exceed.
+double compute_median_brightness(const Frame& frame, const Region& region) {
+  std::vector<std::uint8_t> levels;
+  for (int v = 0; v < region.mask.rows; ++v) {
+    for (int u = 0; u < region.mask.cols; ++u) {
+      const cv::Point p = region.box.tl() + cv::Point(u, v);
+      if (region.mask(v, u) == 0 || !p.inside({{0, 0}, frame.left.size()})) continue;
+      if (frame.left_color.empty()) {
+        levels.push_back(frame.left(p));
+      } else {
+        const cv::Vec3b& color = frame.left_color(p);
+        levels.push_back(std::max({color[0], color[1], color[2]}));
+      }
+    }
+  }
+  const auto middle = levels.begin() + static_cast<std::ptrdiff_t>((levels.size() - 1) / 2);
+  std::ranges::nth_element(levels, middle);
+  return *middle;
+}
+
 /// The pixels of a region that are set in a mask of the picture's size, as such a mask.
 cv::Mat1b select_common(const Region& region, const cv::Mat1b& mask) {
   const cv::Rect in_picture = region.box & cv::Rect(cv::Point(0, 0), mask.size());
@@ -238,12 +259,14 @@ CandidateParams CandidateParams::paper() {
   params.below_ground_min_area_px = 150;
   params.below_ground_min_msr = 0.0;
   params.black_share = 0.0;
+  params.black_by_median = false;
   params.measured_depth_ratio = 1.0;
   params.rim_depth_ratio = 1.0;
   params.min_slope_deg = 0.0;
   params.min_sigmas = 0.0;
   params.max_share_beyond = 1.0;
   params.max_roughness = 0.0;
+  params.min_agreement = 0.0;
   params.min_ground_misfit = 0.0;
   params.max_share_standing = 1.0;
   params.touching_gap_px = 0;
@@ -266,6 +289,7 @@ void CandidateParams::validate() const {
   require_param(min_slope_deg >= 0.0 && min_slope_deg < 90.0, "min_slope_deg", min_slope_deg, "0 to below 90");
   require_param(max_share_beyond >= 0.0 && max_share_beyond <= 1.0, "max_share_beyond", max_share_beyond, "0 to 1");
   require_param(max_roughness >= 0.0 && max_roughness <= 1000.0, "max_roughness", max_roughness, "0 to 1000");
+  require_param(min_agreement >= 0.0 && min_agreement <= 1.0, "min_agreement", min_agreement, "0 to 1");
   require_param(min_ground_misfit >= 0.0 && min_ground_misfit <= 1.0, "min_ground_misfit", min_ground_misfit, "0 to 1");
   require_param(max_share_standing >= 0.0 && max_share_standing <= 1.0, "max_share_standing", max_share_standing, "0 to 1");
   require_param(touching_gap_px >= 0 && touching_gap_px <= 1000, "touching_gap_px", touching_gap_px, "0 to 1000");
@@ -325,12 +349,18 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
       measures.share_beyond = beyond;
       require(candidate, "beyond_rim", beyond <= params.max_share_beyond, beyond, params.max_share_beyond);
     }
+    if (params.max_roughness > 0.0 || params.min_agreement > 0.0) {
+      measures.agreement = compute_agreement(frame, deep_here, disparity);
+    }
     if (params.max_roughness > 0.0) {
       const double roughness = compute_roughness_px(deep_here, disparity) / ground_roughness_px;
       measures.roughness = roughness;
-      measures.agreement = compute_agreement(frame, deep_here, disparity);
       const double limit = params.max_roughness * allowance(measures.agreement);
       require(candidate, "rough", roughness <= limit, roughness, limit);
+    }
+    if (params.min_agreement > 0.0) {
+      const double agreement = measures.agreement;
+      require(candidate, "disagree", agreement >= params.min_agreement, agreement, params.min_agreement);
     }
     if (params.min_ground_misfit > 0.0) {
       const double misfit = compute_ground_misfit(frame, deep_here, disparity, elevation, pose);
@@ -363,13 +393,14 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
     candidate.measures = measure_border(touching);
     candidate.measures.solid_angle_msr = compute_solid_angle_msr(region.area_px, frame.camera);
     const int surface = touching.ground + touching.below_ground;
-    const double brightest = std::max({candidate.mean_color[0], candidate.mean_color[1], candidate.mean_color[2]});
+    double brightness = std::max({candidate.mean_color[0], candidate.mean_color[1], candidate.mean_color[2]});
+    if (params.black_by_median) brightness = std::min(brightness, compute_median_brightness(frame, region));
     require(candidate, "area", region.area_px > params.no_disparity_min_area_px, region.area_px,
             params.no_disparity_min_area_px);
     require(candidate, "touches_valid", touching.valid >= params.min_touching_px, touching.valid, params.min_touching_px);
     require(candidate, "touches_ground", surface >= params.min_touching_px, surface, params.min_touching_px);
     const double black = std::max(params.black_level, params.black_share * touching.ground_brightness);
-    require(candidate, "black", brightest <= black, brightest, black);
+    require(candidate, "black", brightness <= black, brightness, black);
     if (params.max_share_standing < 1.0) {
       const double standing = candidate.measures.standing_share;
       require(candidate, "standing", standing <= params.max_share_standing, standing, params.max_share_standing);

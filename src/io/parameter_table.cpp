@@ -118,6 +118,8 @@ std::vector<ParameterEntry> candidates_table(CandidateParams& p) {
        "Type 1: at most this share of it may lie beyond its far rim; 1 = no test"},
       {"candidates.max_roughness", &p.max_roughness, "",
        "Type 1: scatter of its disparities over that of the ground's, at most; 0 = any"},
+      {"candidates.min_agreement", &p.min_agreement, "",
+       "Type 1: the correlation of both pictures that three quarters of its windows reach, at least; 0 = no test"},
       {"candidates.min_ground_misfit", &p.min_ground_misfit, "share",
        "Type 1: the ground must explain the two pictures worse by this share; 0 = no test"},
       {"candidates.max_share_standing", &p.max_share_standing, "share",
@@ -127,6 +129,8 @@ std::vector<ParameterEntry> candidates_table(CandidateParams& p) {
       {"candidates.min_sigmas", &p.min_sigmas, "", "Type 1: depth in standard deviations of a single pixel, at least; 0 = any"},
       {"candidates.black_share", &p.black_share, "share",
        "Type 2: or its mean colour is at most this share of how bright the ground around it is; 0 = not"},
+      {"candidates.black_by_median", &p.black_by_median, "",
+       "Type 2: ... or the brightness that half of its pixels do not exceed is"},
       {"candidates.border_px", &p.border_px, "px",
        "Type 2 is looked for this far inside of what both cameras see of the ground"},
       {"candidates.merge_gap_m", &p.merge_gap_m, "m",
@@ -207,6 +211,7 @@ std::vector<ParameterEntry> parameter_table(DetectorParams& params) {
   std::vector<ParameterEntry> table = {
       {"disparity.matcher", &params.disparity.matcher, "", "elas, bm, sgbm or sgbm-wls"},
       {"detector.report_range_m", &params.report_range_m, "m", "obstacles are reported up to this distance of their rim"},
+      {"detector.report_slack_m", &params.report_slack_m, "m", "... and, once they were, up to this much farther"},
       {"detector.stills", &params.stills, "", "unrelated pictures: every candidate in range is an obstacle at once"},
   };
   append(table, elas_table(params.disparity.elas));

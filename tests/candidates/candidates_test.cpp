@@ -329,9 +329,37 @@ TEST_F(Candidates, WhatTheGroundExplainsAsWellIsGround) {
   frame_ = make_frame(texture, warp_to_right(texture, disparity_), camera_);
   EXPECT_FALSE(below_ground()[0].rejection) << "the pictures show a hole";
   frame_ = make_frame(texture, warp_to_right(texture, flat), camera_);
+  params_.min_agreement = 0.0;
   ASSERT_TRUE(below_ground()[0].rejection) << "the pictures show ground, whatever the disparities say";
   EXPECT_EQ(below_ground()[0].rejection->rule, "like_ground");
   EXPECT_LT(below_ground()[0].rejection->value, 0.05);
+}
+
+TEST_F(Candidates, WhatNeitherPictureConfirmsIsNothing) {
+  see({{2.0, 3.0, -0.4, 0.6, 0.5}});
+  cv::Mat1b texture(test::half_size());
+  cv::Mat1b another(test::half_size());
+  cv::RNG random(3);
+  random.fill(texture, cv::RNG::UNIFORM, 0, 255);
+  random.fill(another, cv::RNG::UNIFORM, 0, 255);
+  params_.min_ground_misfit = 0.0;
+  frame_ = make_frame(texture, warp_to_right(texture, disparity_), camera_);
+  EXPECT_FALSE(below_ground()[0].rejection);
+  frame_ = make_frame(texture, another, camera_);
+  ASSERT_TRUE(below_ground()[0].rejection);
+  EXPECT_EQ(below_ground()[0].rejection->rule, "disagree");
+  EXPECT_LT(below_ground()[0].rejection->value, 0.1);
+}
+
+TEST_F(Candidates, APaleCollarDoesNotMakeABlackOpeningBright) {
+  see({});
+  blacken({290, 190, 60, 50}, {100, 100, 100});
+  blacken({290, 190, 60, 30}, {5, 5, 5});
+  ASSERT_EQ(no_disparity().size(), 1U);
+  EXPECT_FALSE(no_disparity()[0].rejection) << "three fifths of it are black";
+  params_.black_by_median = false;
+  ASSERT_TRUE(no_disparity()[0].rejection) << "its mean is 43";
+  EXPECT_EQ(no_disparity()[0].rejection->rule, "black");
 }
 
 TEST_F(Candidates, NoiseHidesWhatIsShallowAndFar) {
@@ -364,6 +392,7 @@ TEST_F(Candidates, WhatScattersAndAgreesInNoPictureIsNoSurface) {
   random.fill(texture, cv::RNG::UNIFORM, 0, 255);
   frame_ = make_frame(texture, cv::Mat1b(test::half_size(), 110), camera_);
   params_.min_ground_misfit = 0.0;
+  params_.min_agreement = 0.0;
   noise_px_ = 0.1 * kNoiseOverRoughness;
   ASSERT_TRUE(largest().rejection);
   EXPECT_EQ(largest().rejection->rule, "rough");
