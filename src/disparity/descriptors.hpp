@@ -13,12 +13,16 @@ namespace brink {
 /// The surroundings of a pixel: 12 samples of the horizontal and 4 of the vertical gradient, each gradient / 4 + 128.
 using Descriptor = std::array<std::uint8_t, 16>;
 
-/// One descriptor per pixel, row by row.
+/// One descriptor per pixel, row by row. Vectors may read up to kPadding descriptors before the first row and behind the last.
 class DescriptorImage {
  public:
+  static constexpr std::size_t kPadding = 2112;  // the largest disparity, 2047, and a vector
+
   DescriptorImage() = default;
   DescriptorImage(int width, int height)
-      : width_(width), height_(height), descriptors_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
+      : width_(width),
+        height_(height),
+        descriptors_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) + 2 * kPadding) {}
 
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
@@ -27,7 +31,9 @@ class DescriptorImage {
   [[nodiscard]] Descriptor* row(int v) { return descriptors_.data() + offset(v); }
 
  private:
-  [[nodiscard]] std::size_t offset(int v) const { return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_); }
+  [[nodiscard]] std::size_t offset(int v) const {
+    return kPadding + static_cast<std::size_t>(v) * static_cast<std::size_t>(width_);
+  }
 
   int width_ = 0;
   int height_ = 0;

@@ -4,60 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <limits>
 
 #include <tbb/parallel_for.h>
 
+#include "disparity/support_points_simd.hpp"
+
 namespace brink {
 namespace {
-
-/// Candidates keep this distance from the border: then every sample they use lies inside the picture, px.
-constexpr int kBorder = 5;
-/// The four descriptors of a candidate lie this far from it in u and v, px.
-constexpr int kArm = 2;
-/// With fewer disparities to choose from, being best means little.
-constexpr int kMinRange = 10;
-
-/// The rows of descriptors above and below a candidate, in the view it lies in and in the other one.
-struct CandidateRows {
-  const Descriptor* upper = nullptr;
-  const Descriptor* lower = nullptr;
-};
-
-CandidateRows rows_around(const DescriptorImage& image, int v) { return {image.row(v - kArm), image.row(v + kArm)}; }
-
-int compute_support_cost(const CandidateRows& a, int u, const CandidateRows& b, int other_u) {
-  return compute_cost(a.upper[u - kArm], b.upper[other_u - kArm]) + compute_cost(a.upper[u + kArm], b.upper[other_u + kArm]) +
-         compute_cost(a.lower[u - kArm], b.lower[other_u - kArm]) + compute_cost(a.lower[u + kArm], b.lower[other_u + kArm]);
-}
-
-/// The disparity of pixel (u, v) of `image`, whose counterpart in `other` lies at u + direction * disparity; kNoSupport if no
-/// disparity is clearly the best.
-/// @param costs scratch memory.
-int match_support_point(const DescriptorImage& image, const DescriptorImage& other, int u, int v, int direction,
-                        const ElasParams& params, std::vector<int>& costs) {
-  const int room = direction < 0 ? u - kBorder : image.width() - 1 - kBorder - u;
-  const int last = std::min(params.max_disparity, room);
-  if (last - params.min_disparity < kMinRange) return kNoSupport;
-  if (compute_texture(image.row(v)[u]) < params.support_texture) return kNoSupport;
-
-  const CandidateRows rows = rows_around(image, v);
-  const CandidateRows other_rows = rows_around(other, v);
-  costs.clear();
-  for (int d = params.min_disparity; d <= last; ++d) {
-    costs.push_back(compute_support_cost(rows, u, other_rows, u + direction * d));
-  }
-  const auto best = std::min_element(costs.begin(), costs.end());
-  // The foot of the minimum is no rival: next to the best all costs are low where the texture is coarse.
-  const std::ptrdiff_t exclusion = params.support_exclusion_px;
-  const auto foot_begin = best - std::min(exclusion, best - costs.begin());
-  const auto foot_end = best + std::min(exclusion + 1, costs.end() - best);
-  int second_cost = std::numeric_limits<int>::max();
-  for (auto rival = costs.begin(); rival != foot_begin; ++rival) second_cost = std::min(second_cost, *rival);
-  for (auto rival = foot_end; rival != costs.end(); ++rival) second_cost = std::min(second_cost, *rival);
-  if (*best >= params.support_threshold * second_cost) return kNoSupport;
-  return params.min_disparity + static_cast<int>(best - costs.begin());
-}
 
 /// Whether one of the up to kRedundancyReach cells from (i, j) on in steps of (di, dj) holds nearly the same disparity.
 bool has_similar(const SupportGrid& grid, int i, int j, int di, int dj) {
@@ -89,19 +42,7 @@ int count_agreeing(const SupportGrid& grid, int i, int j, const ElasParams& para
 SupportGrid match_support_candidates(const DescriptorImage& left, const DescriptorImage& right, const ElasParams& params) {
   const int step = params.candidate_step_px;
   SupportGrid grid((left.height() + step - 1) / step, (left.width() + step - 1) / step, kNoSupport);
-  tbb::parallel_for(0, grid.rows, [&](int j) {
-    const int v = j * step;
-    if (v < kBorder || v >= left.height() - kBorder) return;
-    std::vector<int> costs;
-    for (int i = 0; i < grid.cols; ++i) {
-      const int u = i * step;
-      if (u < kBorder || u >= left.width() - kBorder) continue;
-      const int d = match_support_point(left, right, u, v, -1, params, costs);
-      if (d == kNoSupport) continue;
-      const int back = match_support_point(right, left, u - d, v, +1, params, costs);
-      if (back != kNoSupport && std::abs(back - d) <= params.consistency_threshold_px) grid(j, i) = d;
-    }
-  });
+  tbb::parallel_for(0, grid.rows, [&](int j) { match_support_row(left, right, j, params, grid[j]); });
   return grid;
 }
 

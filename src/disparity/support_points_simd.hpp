@@ -1,0 +1,14 @@
+#pragma once
+
+#include "brink/disparity.hpp"
+#include "disparity/descriptors.hpp"
+#include "disparity/support_points.hpp"
+
+namespace brink {
+
+/// Matches the candidates of one row of the grid: match_support_candidates, which calls this, for row j alone. Equal to the
+/// plain twin in tests/reference/support_points.hpp for every target.
+/// @param row one number for each column of the grid, kNoSupport at first.
+void match_support_row(const DescriptorImage& left, const DescriptorImage& right, int j, const ElasParams& params, int* row);
+
+}  // namespace brink

@@ -1,0 +1,88 @@
+// Part of every kernel that compares descriptors: included once for each target, by Highway's foreach_target.
+#if defined(BRINK_SIMD_SUMS_OF_DIFFERENCES_INL_HPP_) == defined(HWY_TARGET_TOGGLE)
+#ifdef BRINK_SIMD_SUMS_OF_DIFFERENCES_INL_HPP_
+#undef BRINK_SIMD_SUMS_OF_DIFFERENCES_INL_HPP_
+#else
+#define BRINK_SIMD_SUMS_OF_DIFFERENCES_INL_HPP_
+#endif
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace brink::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_TARGET != HWY_SCALAR
+
+using Bytes = hn::ScalableTag<std::uint8_t>;
+using Shorts = hn::ScalableTag<std::uint16_t>;
+using Words = hn::ScalableTag<std::uint64_t>;
+
+/// Descriptors of 16 bytes that one vector holds.
+HWY_INLINE std::size_t descriptors_per_vector() { return hn::Lanes(Bytes()) / 16; }
+
+/// Sums of |a - b| over every 8 bytes. Highway 1.0.3 has no such operation, x86 has an instruction.
+HWY_INLINE hn::Vec<Words> sum_differences(hn::Vec<Bytes> a, hn::Vec<Bytes> b) {
+#if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4
+  return hn::Vec<Words>{_mm_sad_epu8(a.raw, b.raw)};
+#elif HWY_TARGET == HWY_AVX2
+  return hn::Vec<Words>{_mm256_sad_epu8(a.raw, b.raw)};
+#elif HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  return hn::Vec<Words>{_mm512_sad_epu8(a.raw, b.raw)};
+#else
+  return hn::SumsOf8(hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a)));
+#endif
+}
+
+/// Costs of as many pixels as a vector has 16-bit lanes, from the sums of eight vectors of consecutive descriptors, two sums of
+/// at most 16,383 a descriptor. Lane 8 k + j is pixel K j + k, where K = descriptors_per_vector().
+HWY_INLINE hn::Vec<Shorts> pack_sums(const hn::Vec<Words>* sums) {
+  const auto pack_four = [](const hn::Vec<Words>* four) {
+    return hn::Or(hn::Or(four[0], hn::ShiftLeft<16>(four[1])), hn::Or(hn::ShiftLeft<32>(four[2]), hn::ShiftLeft<48>(four[3])));
+  };
+  const Words words;
+  const Shorts shorts;
+  const auto first = pack_four(sums);
+  const auto second = pack_four(sums + 4);
+  return hn::Add(hn::BitCast(shorts, hn::InterleaveLower(words, first, second)),
+                 hn::BitCast(shorts, hn::InterleaveUpper(words, first, second)));
+}
+
+/// Stores lanes in pack_sums' order as consecutive pixels.
+HWY_INLINE void store_in_order(hn::Vec<Shorts> packed, std::uint16_t* pixels) {
+  const std::size_t blocks = descriptors_per_vector();
+  if (blocks == 1) {
+    hn::StoreU(packed, Shorts(), pixels);
+    return;
+  }
+  const hn::FixedTag<std::uint16_t, 8> block;
+  HWY_ALIGN std::array<std::uint16_t, HWY_MAX_BYTES / 2> lanes;
+  hn::Store(packed, Shorts(), lanes.data());
+  const auto load = [&](std::size_t k) { return hn::Load(block, lanes.data() + 8 * k); };
+  const auto store = [&](auto values, std::size_t k) { hn::StoreU(values, block, pixels + 8 * k); };
+  if (blocks == 2) {
+    store(hn::InterleaveLower(block, load(0), load(1)), 0);
+    store(hn::InterleaveUpper(block, load(0), load(1)), 1);
+    return;
+  }
+  const auto even_low = hn::InterleaveLower(block, load(0), load(2));
+  const auto even_high = hn::InterleaveUpper(block, load(0), load(2));
+  const auto odd_low = hn::InterleaveLower(block, load(1), load(3));
+  const auto odd_high = hn::InterleaveUpper(block, load(1), load(3));
+  store(hn::InterleaveLower(block, even_low, odd_low), 0);
+  store(hn::InterleaveUpper(block, even_low, odd_low), 1);
+  store(hn::InterleaveLower(block, even_high, odd_high), 2);
+  store(hn::InterleaveUpper(block, even_high, odd_high), 3);
+}
+
+#endif  // HWY_TARGET != HWY_SCALAR
+
+}  // namespace brink::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per target

@@ -1,0 +1,57 @@
+#include "disparity/support_points_simd.hpp"
+
+#include <gtest/gtest.h>
+
+#include "disparity/synthetic.hpp"
+#include "reference/support_points.hpp"
+#include "simd_targets.hpp"
+
+namespace brink {
+namespace {
+
+void expect_equal_to_twin(const SyntheticPair& pair, const ElasParams& params) {
+  const DescriptorImage left = compute_descriptors(pair.left);
+  const DescriptorImage right = compute_descriptors(pair.right);
+  const SupportGrid expected = reference::match_support_candidates(left, right, params);
+  test::for_each_target([&] {
+    const SupportGrid grid = match_support_candidates(left, right, params);
+    ASSERT_EQ(grid.size(), expected.size());
+    EXPECT_EQ(cv::countNonZero(grid != expected), 0) << pair.left.size();
+  });
+}
+
+TEST(SupportPointsSimd, EqualsItsTwinOnWallsOfOddSizes) {
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(33, 21), cv::Size(121, 83), cv::Size(257, 64), cv::Size(640, 17)}) {
+    for (const int max_disparity : {15, 64, 127, 255, 511}) {
+      ElasParams params;
+      params.max_disparity = max_disparity;
+      expect_equal_to_twin(make_wall(size, 14), params);
+    }
+  }
+}
+
+TEST(SupportPointsSimd, EqualsItsTwinForOtherParameters) {
+  ElasParams params = ElasParams::middlebury();
+  expect_equal_to_twin(make_wall({301, 77}, 40), params);
+  params.candidate_step_px = 3;
+  params.min_disparity = 11;
+  params.support_threshold = 1.0;
+  params.support_exclusion_px = 0;
+  expect_equal_to_twin(make_wall({301, 77}, 40), params);
+}
+
+// Few grey levels: many costs are equal, and the first of them must be taken.
+TEST(SupportPointsSimd, EqualsItsTwinWhereCostsAreEqual) {
+  ElasParams params;
+  params.support_threshold = 1.0;
+  params.support_exclusion_px = 3;
+  SyntheticPair pair = make_wall({203, 91}, 9);
+  pair.left = (pair.left / 64) * 64;
+  pair.right = (pair.right / 64) * 64;
+  expect_equal_to_twin(pair, params);
+  const cv::Mat1b noise = make_texture({203, 91}, 5);
+  expect_equal_to_twin({noise, make_texture({203, 91}, 6)}, params);
+}
+
+}  // namespace
+}  // namespace brink
