@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
-#include <optional>
 
 #include <opencv2/imgproc.hpp>
 #include <tbb/parallel_for.h>
+
+#include "disparity/dense_matching_simd.hpp"
 
 namespace brink {
 namespace {
@@ -41,105 +41,18 @@ std::array<SupportPoint, 3> corners_of(const Triangle& triangle, const std::vect
   return {corner(0), corner(1), corner(2)};
 }
 
-/// How much a disparity that lies x = 0, 1, .. px off the plane costs more than one on the plane, in units of the matching
-/// cost: the logarithm of the prior gamma + exp(-x^2 / 2 sigma^2) (ACCV 2010, eq. 5 and 9).
-struct Penalty {
-  std::vector<float> near_plane;  ///< of x = 0 up to the radius of the search
-  float elsewhere = 0.0F;         ///< without a prior
-};
-
-Penalty make_penalty(const ElasParams& params) {
-  const auto penalty = [&params](double gauss) {
-    return static_cast<float>((std::log(params.gamma + 1.0) - std::log(params.gamma + gauss)) / params.beta);
-  };
-  const int radius = std::max(static_cast<int>(std::ceil(params.sigma_px * params.prior_radius)), 2);
-  Penalty result;
-  for (int x = 0; x <= radius; ++x) {
-    result.near_plane.push_back(penalty(std::exp(-x * x / (2.0 * params.sigma_px * params.sigma_px))));
+/// What the planes expect of the pixels of a row.
+void expect_row(const int* labels, const std::vector<PriorPlane>& planes, int v, RowPrior& prior) {
+  constexpr float kFar = 10000.0F;  // a plane that is nearly upright may expect any number
+  for (std::size_t u = 0; u < prior.expected.size(); ++u) {
+    prior.expected[u] = prior.reliable[u] = RowPrior::kNone;
+    if (labels[u] < 0) continue;
+    const PriorPlane& plane = planes[static_cast<std::size_t>(labels[u])];
+    const float disparity = std::clamp(plane.disparity(static_cast<int>(u), v), -kFar, kFar);
+    prior.expected[u] = static_cast<std::int16_t>(std::floor(disparity + 0.5F));
+    if (plane.reliable) prior.reliable[u] = prior.expected[u];
   }
-  result.elsewhere = penalty(0.0);
-  return result;
 }
-
-/// Matches the pixels of one row, one after the other.
-class RowMatcher {
- public:
-  RowMatcher(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const Penalty& penalty,
-             const ElasParams& params)
-      : direction_(view == View::left ? -1 : 1),
-        width_(image.width()),
-        image_(image.row(v)),
-        other_(other.row(v)),
-        penalty_(penalty),
-        params_(params) {}
-
-  /// @param expected disparity of the plane, px; none outside all triangles.
-  /// @param reliable whether the plane is.
-  /// @param nearby disparities to be tried besides those near the plane, ascending.
-  float match(int u, std::optional<float> expected, bool reliable, const std::vector<int>& nearby) {
-    const int largest = std::min(params_.max_disparity, direction_ < 0 ? u : width_ - 1 - u);
-    const cv::Range planar = expected ? range_around(*expected, largest) : cv::Range(0, 0);
-    energies_.clear();
-    for (const int d : nearby) {
-      if (d <= largest && (d < planar.start || d >= planar.end)) add(d, cost(u, d), penalty_.elsewhere);
-    }
-    for (int d = planar.start; d < planar.end; ++d) {
-      const auto off_plane = static_cast<std::size_t>(std::abs(d - round(*expected)));
-      add(d, cost(u, d), reliable ? penalty_.near_plane[off_plane] : penalty_.elsewhere);
-    }
-    if (energies_.empty()) return kInvalidDisparity;
-    const Energy best = *std::min_element(energies_.begin(), energies_.end(),
-                                          [](const Energy& a, const Energy& b) { return a.energy < b.energy; });
-    if (is_ambiguous(best)) return kInvalidDisparity;
-    return params_.subpixel ? refine(u, best.disparity, largest) : static_cast<float>(best.disparity);
-  }
-
- private:
-  struct Energy {
-    int disparity = 0;
-    float energy = 0.0F;  ///< cost + penalty, >= 0
-  };
-
-  /// A plane that is nearly upright may expect any number.
-  static int round(float disparity) { return static_cast<int>(std::lround(std::clamp(disparity, -1e6F, 1e6F))); }
-
-  [[nodiscard]] cv::Range range_around(float expected, int largest) const {
-    const int radius = static_cast<int>(penalty_.near_plane.size()) - 1;
-    return {std::max(round(expected) - radius, 0), std::min(round(expected) + radius, largest) + 1};
-  }
-
-  [[nodiscard]] int cost(int u, int d) const { return compute_cost(image_[u], other_[u + direction_ * d]); }
-
-  void add(int d, int cost, float penalty) { energies_.push_back({d, static_cast<float>(cost) + penalty}); }
-
-  /// Whether a disparity further than 1 px away would do nearly as well.
-  [[nodiscard]] bool is_ambiguous(const Energy& best) const {
-    if (params_.match_margin <= 0.0) return false;
-    return std::any_of(energies_.begin(), energies_.end(), [&](const Energy& rival) {
-      return std::abs(rival.disparity - best.disparity) > 1 && best.energy >= (1.0 - params_.match_margin) * rival.energy;
-    });
-  }
-
-  /// Moves a disparity by up to half a pixel, to the tip of two lines of equal and opposite slope through the costs of it and
-  /// its neighbours: an L1 cost is such a wedge, not a parabola.
-  [[nodiscard]] float refine(int u, int d, int largest) const {
-    const auto whole = static_cast<float>(d);
-    if (d < 1 || d >= largest) return whole;
-    const int below = cost(u, d - 1);
-    const int above = cost(u, d + 1);
-    const int rise = std::max(below, above) - cost(u, d);
-    if (rise <= 0) return whole;
-    return whole + std::clamp(static_cast<float>(below - above) / static_cast<float>(2 * rise), -0.5F, 0.5F);
-  }
-
-  int direction_;
-  int width_;
-  const Descriptor* image_;
-  const Descriptor* other_;
-  const Penalty& penalty_;
-  const ElasParams& params_;
-  std::vector<Energy> energies_;
-};
 
 }  // namespace
 
@@ -190,25 +103,38 @@ cv::Mat1i label_triangles(const std::vector<SupportPoint>& points, const std::ve
 
 CandidateGrid make_candidate_grid(const std::vector<SupportPoint>& points, cv::Size size, const ElasParams& params) {
   const int cell = params.grid_size_px;
-  const int columns = (size.width + cell - 1) / cell;
   const int rows = (size.height + cell - 1) / cell;
-  const int disparities = params.max_disparity + 1;
-  cv::Mat1b seen(columns * rows, disparities, std::uint8_t{0});
+  CandidateGrid grid;
+  grid.cell_px = cell;
+  grid.columns = (size.width + cell - 1) / cell;
+  grid.words = static_cast<std::size_t>(params.max_disparity) / 64 + 1;
+  grid.bits.assign(static_cast<std::size_t>(grid.columns * rows) * grid.words, 0);
   for (const SupportPoint& point : points) {
-    const cv::Range near_d(std::max(point.disparity - 1, 0), std::min(point.disparity + 1, params.max_disparity));
     for (int j = std::max(point.v / cell - 1, 0); j <= std::min(point.v / cell + 1, rows - 1); ++j) {
-      for (int i = std::max(point.u / cell - 1, 0); i <= std::min(point.u / cell + 1, columns - 1); ++i) {
-        for (int d = near_d.start; d <= near_d.end; ++d) seen(j * columns + i, d) = 1;
+      for (int i = std::max(point.u / cell - 1, 0); i <= std::min(point.u / cell + 1, grid.columns - 1); ++i) {
+        std::uint64_t* const bits = grid.bits.data() + static_cast<std::size_t>(j * grid.columns + i) * grid.words;
+        for (int d = std::max(point.disparity - 1, 0); d <= std::min(point.disparity + 1, params.max_disparity); ++d) {
+          bits[d / 64] |= std::uint64_t{1} << static_cast<unsigned>(d % 64);
+        }
       }
     }
   }
-  CandidateGrid grid{cell, columns, std::vector<std::vector<int>>(static_cast<std::size_t>(columns * rows))};
-  for (int k = 0; k < seen.rows; ++k) {
-    for (int d = 0; d < disparities; ++d) {
-      if (seen(k, d) != 0) grid.cells[static_cast<std::size_t>(k)].push_back(d);
-    }
-  }
   return grid;
+}
+
+Penalty make_penalty(const ElasParams& params) {
+  static constexpr double kMost = 16000.0;  // nearly the largest cost: cost and penalty together stay below 2^15
+  const auto penalty = [&params](double gauss) {
+    const double cost = (std::log(params.gamma + 1.0) - std::log(params.gamma + gauss)) / params.beta;
+    return static_cast<std::int16_t>(std::lround(std::min(Penalty::kUnits * cost, kMost)));
+  };
+  const int radius = std::max(static_cast<int>(std::ceil(params.sigma_px * params.prior_radius)), 2);
+  Penalty result;
+  for (int x = 0; x <= radius; ++x) {
+    result.near_plane.push_back(penalty(std::exp(-x * x / (2.0 * params.sigma_px * params.sigma_px))));
+  }
+  result.elsewhere = penalty(0.0);
+  return result;
 }
 
 cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorImage& other,
@@ -223,16 +149,12 @@ cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorI
 
   cv::Mat1f disparity(size, kInvalidDisparity);
   tbb::parallel_for(0, size.height, [&](int v) {
-    RowMatcher row(view, image, other, v, penalty, params);
+    RowPrior prior(static_cast<std::size_t>(size.width));
+    expect_row(labels[v], planes, v, prior);
     for (int u = 0; u < size.width; ++u) {
-      if (textured(v, u) == 0) continue;
-      if (labels(v, u) >= 0) {
-        const PriorPlane& plane = planes[static_cast<std::size_t>(labels(v, u))];
-        disparity(v, u) = row.match(u, plane.disparity(u, v), plane.reliable, grid.at(u, v));
-      } else if (params.match_outside) {
-        disparity(v, u) = row.match(u, std::nullopt, false, grid.at(u, v));
-      }
+      prior.wanted[static_cast<std::size_t>(u)] = textured(v, u) != 0 && (labels(v, u) >= 0 || params.match_outside) ? 1 : 0;
     }
+    match_dense_row(view, image, other, v, prior, grid, penalty, params, disparity[v]);
   });
   return disparity;
 }

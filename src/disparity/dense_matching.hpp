@@ -31,20 +31,30 @@ std::vector<PriorPlane> fit_planes(View view, const std::vector<SupportPoint>& p
 /// Which triangle each pixel lies in, -1 = none. A pixel on an edge belongs to the later of the two triangles.
 cv::Mat1i label_triangles(const std::vector<SupportPoint>& points, const std::vector<Triangle>& triangles, cv::Size size);
 
-/// Disparities near each part of the picture, whatever the planes say.
+/// Disparities near each part of the picture, whatever the planes say: for each cell a set of bits, bit d = disparity d.
 struct CandidateGrid {
   int cell_px = 1;
   int columns = 0;
-  std::vector<std::vector<int>> cells;  ///< ascending disparities, row by row
+  std::size_t words = 1;            ///< of a cell
+  std::vector<std::uint64_t> bits;  ///< cell by cell, row by row
 
-  [[nodiscard]] const std::vector<int>& at(int u, int v) const {
-    const int cell = v / cell_px * columns + u / cell_px;
-    return cells[static_cast<std::size_t>(cell)];
+  /// The first of the words of the cell that a pixel lies in.
+  [[nodiscard]] const std::uint64_t* at(int u, int v) const {
+    return bits.data() + static_cast<std::size_t>(v / cell_px * columns + u / cell_px) * words;
   }
 };
 
 /// The disparities of the support points in a cell and in its up to 8 neighbours, each with d - 1 and d + 1.
 CandidateGrid make_candidate_grid(const std::vector<SupportPoint>& points, cv::Size size, const ElasParams& params);
+
+/// How much a disparity that lies x = 0, 1, .. px off its plane costs more than one on the plane: the logarithm of the prior
+/// gamma + exp(-x^2 / 2 sigma^2) (ACCV 2010, eq. 5 and 9), in units of a quarter of the matching cost.
+struct Penalty {
+  static constexpr int kUnits = 4;       ///< of a matching cost of 1
+  std::vector<std::int16_t> near_plane;  ///< of x = 0 up to the radius of the search
+  std::int16_t elsewhere = 0;            ///< without a prior
+};
+Penalty make_penalty(const ElasParams& params);
 
 /// Where the mean texture of the window around a pixel is at least match_texture: 255, elsewhere 0. A single pixel on a weakly
 /// textured surface may have none by chance, and one without any surface may have some by noise; their surroundings tell.

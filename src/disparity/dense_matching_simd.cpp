@@ -1,0 +1,332 @@
+#include "disparity/dense_matching_simd.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+#include <vector>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "disparity/dense_matching_simd.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include "simd/sums_of_differences-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace brink::HWY_NAMESPACE {
+namespace {
+
+constexpr std::size_t kMostLanes = std::max(HWY_MAX_BYTES / 2, 8);
+constexpr std::int16_t kNoEnergy = std::numeric_limits<std::int16_t>::max();
+
+/// What the search found for each pixel of a row.
+struct Found {
+  explicit Found(std::size_t size)
+      : energy(size, kNoEnergy), rival(size, kNoEnergy), disparity(size), cost_below(size), cost(size), cost_above(size) {}
+  std::vector<std::int16_t> energy;      ///< least; kNoEnergy = there was no candidate
+  std::vector<std::int16_t> rival;       ///< least of those that lie more than 1 px away from the best
+  std::vector<std::int16_t> disparity;   ///< of the best
+  std::vector<std::int16_t> cost_below;  ///< matching costs of the disparity - 1, itself, and + 1
+  std::vector<std::int16_t> cost;
+  std::vector<std::int16_t> cost_above;
+};
+
+/// Sets of disparities: bit d of the words.
+using Bits = std::vector<std::uint64_t>;
+
+void insert(Bits& bits, int first, int last) {
+  for (int d = first; d <= last; ++d)
+    bits[static_cast<std::size_t>(d) / 64] |= std::uint64_t{1} << static_cast<unsigned>(d % 64);
+}
+
+bool contains(const std::uint64_t* bits, int d) { return ((bits[d / 64] >> static_cast<unsigned>(d % 64)) & 1U) != 0; }
+
+/// With the disparities on both sides of each.
+void widen(const Bits& bits, int largest, Bits& wide) {
+  for (std::size_t k = 0; k < bits.size(); ++k) {
+    wide[k] = bits[k] | bits[k] << 1U | bits[k] >> 1U;
+    if (k > 0) wide[k] |= bits[k - 1] >> 63U;
+    if (k + 1 < bits.size()) wide[k] |= bits[k + 1] << 63U;
+  }
+  const auto left_over = static_cast<unsigned>(largest % 64 + 1);
+  if (left_over < 64) wide.back() &= (std::uint64_t{1} << left_over) - 1;
+}
+
+template <typename Visit>
+void for_each(const Bits& bits, const Visit& visit) {
+  for (std::size_t k = 0; k < bits.size(); ++k) {
+    for (std::uint64_t word = bits[k]; word != 0; word &= word - 1) visit(static_cast<int>(64 * k) + std::countr_zero(word));
+  }
+}
+
+/// Matches pixels that lie in one cell of the grid, a vector's worth at a time.
+class CellMatcher {
+ public:
+  CellMatcher(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
+              const Penalty& penalty, const ElasParams& params)
+      : direction_(view == View::left ? -1 : 1),
+        width_(image.width()),
+        image_(image.row(v)),
+        other_(other.row(v)),
+        prior_(prior),
+        penalty_(penalty),
+        radius_(static_cast<int>(penalty.near_plane.size()) - 1),
+        max_disparity_(params.max_disparity),
+        candidates_(static_cast<std::size_t>(max_disparity_) / 64 + 1),
+        looked_at_(candidates_.size()),
+        costs_(static_cast<std::size_t>(max_disparity_ + 1) * lanes()),
+        energies_(costs_.size()) {}
+
+  /// Pixels that are matched together.
+  static std::size_t lanes() {
+#if HWY_TARGET == HWY_SCALAR
+    return 8;
+#else
+    return hn::Lanes(Shorts());
+#endif
+  }
+
+  /// @param nearby of the cell. @param count at most lanes().
+  void match(int first, std::size_t count, const std::uint64_t* nearby, Found& found) {
+    if (!collect(first, count, nearby)) return;
+    prepare(first, count);
+    search(first, count, nearby, found);
+  }
+
+ private:
+  /// Unites the candidates of the pixels. @return whether there are any.
+  bool collect(int first, std::size_t count, const std::uint64_t* nearby) {
+    std::copy_n(nearby, candidates_.size(), candidates_.begin());
+    bool any = false;
+    std::int16_t last = RowPrior::kNone;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t u = static_cast<std::size_t>(first) + i;
+      if (prior_.wanted[u] == 0) continue;
+      any = true;
+      if (prior_.expected[u] == last) continue;
+      last = prior_.expected[u];
+      insert(candidates_, std::max(last - radius_, 0), std::min(last + radius_, max_disparity_));
+    }
+    if (any) widen(candidates_, max_disparity_, looked_at_);
+    return any;
+  }
+
+  /// Where pixel i of the vector's worth lies in the vectors.
+  static std::size_t lane_of(std::size_t i) {
+#if HWY_TARGET == HWY_SCALAR
+    return i;
+#else
+    const std::size_t step = descriptors_per_vector();
+    return i % step * 8 + i / step;
+#endif
+  }
+
+  void prepare(int first, std::size_t count) {
+    largest_.fill(-1);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t lane = lane_of(i);
+      const int u = first + static_cast<int>(i);
+      expected_[lane] = prior_.expected[static_cast<std::size_t>(u)];
+      reliable_[lane] = prior_.reliable[static_cast<std::size_t>(u)];
+      largest_[lane] = static_cast<std::int16_t>(std::min(max_disparity_, direction_ < 0 ? u : width_ - 1 - u));
+    }
+  }
+
+#if HWY_TARGET == HWY_SCALAR
+
+  void search(int first, std::size_t count, const std::uint64_t* nearby, Found& found) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t u = static_cast<std::size_t>(first) + i;
+      if (prior_.wanted[u] != 0) search_pixel(static_cast<int>(u), i, nearby, found);
+    }
+  }
+
+  void search_pixel(int u, std::size_t i, const std::uint64_t* nearby, Found& found) {
+    const auto cost = [&](int d) { return static_cast<std::int16_t>(compute_cost(image_[u], other_[u + direction_ * d])); };
+    const auto at = static_cast<std::size_t>(u);
+    std::size_t number = 0;
+    for_each(candidates_, [&](int d) {
+      if (d > largest_[i] || !(contains(nearby, d) || std::abs(d - expected_[i]) <= radius_)) return;
+      const auto off = static_cast<std::size_t>(std::abs(d - reliable_[i]));
+      const int penalty = off < penalty_.near_plane.size() ? penalty_.near_plane[off] : penalty_.elsewhere;
+      energies_[number] = static_cast<std::int16_t>(Penalty::kUnits * cost(d) + penalty);
+      costs_[number] = static_cast<std::int16_t>(d);
+      if (energies_[number] < found.energy[at]) {
+        found.energy[at] = energies_[number];
+        found.disparity[at] = static_cast<std::int16_t>(d);
+      }
+      ++number;
+    });
+    if (number == 0) return;
+    const int best = found.disparity[at];
+    for (std::size_t k = 0; k < number; ++k) {
+      if (std::abs(costs_[k] - best) > 1) found.rival[at] = std::min(found.rival[at], energies_[k]);
+    }
+    found.cost[at] = cost(best);
+    if (best > 0) found.cost_below[at] = cost(best - 1);
+    if (best < largest_[i]) found.cost_above[at] = cost(best + 1);
+  }
+
+#else
+
+  using Signed = hn::ScalableTag<std::int16_t>;
+
+  /// Matching costs of the pixels at one disparity.
+  hn::Vec<Signed> compute_costs(int first, std::size_t count, int d) const {
+    const Bytes bytes;
+    const std::size_t step = descriptors_per_vector();
+    const std::uint8_t* here = image_[first].data();
+    const std::uint8_t* there = (other_ + first + direction_ * d)->data();
+    hn::Vec<Words> sums[8];
+    for (std::size_t j = 0; j < 8; ++j) {
+      if (j * step < count) {
+        sums[j] = sum_differences(hn::LoadU(bytes, here + 16 * step * j), hn::LoadU(bytes, there + 16 * step * j));
+      } else {
+        sums[j] = hn::Zero(Words());
+      }
+    }
+    return hn::BitCast(Signed(), pack_sums(sums));
+  }
+
+  void search(int first, std::size_t count, const std::uint64_t* nearby, Found& found) {
+    const Signed d16;
+    const std::size_t lanes16 = hn::Lanes(d16);
+    const auto expected = hn::Load(d16, expected_.data());
+    const auto reliable = hn::Load(d16, reliable_.data());
+    const auto one = hn::Set(d16, 1);
+    const auto too_large = hn::Add(hn::Load(d16, largest_.data()), one);
+    const auto too_far = hn::Set(d16, static_cast<std::int16_t>(radius_ + 1));
+    const auto none = hn::Set(d16, kNoEnergy);
+
+    auto best = none;
+    auto best_disparity = hn::Zero(d16);
+    std::int16_t* costs = costs_.data();
+    std::int16_t* energies = energies_.data();
+    for_each(looked_at_, [&](int d) {
+      const auto disparity = hn::Set(d16, static_cast<std::int16_t>(d));
+      const auto cost = compute_costs(first, count, d);
+      auto energy = none;
+      if (contains(candidates_.data(), d)) {
+        const auto off = hn::Abs(hn::Sub(disparity, reliable));
+        auto penalty = hn::Set(d16, penalty_.elsewhere);
+        for (std::size_t x = 0; x < penalty_.near_plane.size(); ++x) {
+          const auto here = hn::Eq(off, hn::Set(d16, static_cast<std::int16_t>(x)));
+          penalty = hn::IfThenElse(here, hn::Set(d16, penalty_.near_plane[x]), penalty);
+        }
+        static_assert(Penalty::kUnits == 4);
+        auto allowed = hn::Lt(disparity, too_large);
+        if (!contains(nearby, d)) allowed = hn::And(allowed, hn::Lt(hn::Abs(hn::Sub(disparity, expected)), too_far));
+        energy = hn::IfThenElse(allowed, hn::Add(hn::ShiftLeft<2>(cost), penalty), none);
+        const auto less = hn::Lt(energy, best);
+        best = hn::IfThenElse(less, energy, best);
+        best_disparity = hn::IfThenElse(less, disparity, best_disparity);
+      }
+      hn::StoreU(cost, d16, costs);
+      hn::StoreU(energy, d16, energies);
+      costs += lanes16;
+      energies += lanes16;
+    });
+
+    auto rival = none;
+    auto below = hn::Zero(d16);
+    auto at = hn::Zero(d16);
+    auto above = hn::Zero(d16);
+    costs = costs_.data();
+    energies = energies_.data();
+    for_each(looked_at_, [&](int d) {
+      const auto cost = hn::LoadU(d16, costs);
+      const auto energy = hn::LoadU(d16, energies);
+      const auto off = hn::Sub(hn::Set(d16, static_cast<std::int16_t>(d)), best_disparity);
+      rival = hn::Min(rival, hn::IfThenElse(hn::Gt(hn::Abs(off), one), energy, none));
+      below = hn::IfThenElse(hn::Eq(off, hn::Neg(one)), cost, below);
+      at = hn::IfThenElse(hn::Eq(off, hn::Zero(d16)), cost, at);
+      above = hn::IfThenElse(hn::Eq(off, one), cost, above);
+      costs += lanes16;
+      energies += lanes16;
+    });
+
+    const auto store = [&](auto values, std::vector<std::int16_t>& row) {
+      store_in_order(hn::BitCast(Shorts(), values), reinterpret_cast<std::uint16_t*>(row.data() + first));
+    };
+    store(best, found.energy);
+    store(rival, found.rival);
+    store(best_disparity, found.disparity);
+    store(below, found.cost_below);
+    store(at, found.cost);
+    store(above, found.cost_above);
+  }
+
+#endif  // HWY_TARGET == HWY_SCALAR
+
+  int direction_;
+  int width_;
+  const Descriptor* image_;
+  const Descriptor* other_;
+  const RowPrior& prior_;
+  const Penalty& penalty_;
+  int radius_;
+  int max_disparity_;
+  Bits candidates_;
+  Bits looked_at_;
+  std::vector<std::int16_t> costs_;  ///< of the disparities that are looked at, lanes() each
+  std::vector<std::int16_t> energies_;
+  HWY_ALIGN std::array<std::int16_t, kMostLanes> expected_{};
+  HWY_ALIGN std::array<std::int16_t, kMostLanes> reliable_{};
+  HWY_ALIGN std::array<std::int16_t, kMostLanes> largest_{};
+};
+
+/// Moves a disparity by up to half a pixel, to the tip of two lines of equal and opposite slope through the costs of it and
+/// its neighbours: an L1 cost is such a wedge, not a parabola.
+float refine(const Found& found, std::size_t u, int largest) {
+  const auto whole = static_cast<float>(found.disparity[u]);
+  if (found.disparity[u] < 1 || found.disparity[u] >= largest) return whole;
+  const int rise = std::max(found.cost_below[u], found.cost_above[u]) - found.cost[u];
+  if (rise <= 0) return whole;
+  return whole +
+         std::clamp(static_cast<float>(found.cost_below[u] - found.cost_above[u]) / static_cast<float>(2 * rise), -0.5F, 0.5F);
+}
+
+void match_row(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
+               const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, float* disparity) {
+  CellMatcher matcher(view, image, other, v, prior, penalty, params);
+  const int width = image.width();
+  const auto lanes = static_cast<int>(CellMatcher::lanes());
+  Found found(static_cast<std::size_t>(width + lanes));
+  for (int cell = 0; cell < width; cell += grid.cell_px) {
+    const int end = std::min(cell + grid.cell_px, width);
+    for (int u = cell; u < end; u += lanes) {
+      matcher.match(u, static_cast<std::size_t>(std::min(lanes, end - u)), grid.at(u, v), found);
+    }
+  }
+  const auto keep = static_cast<float>(1.0 - params.match_margin);
+  for (int u = 0; u < width; ++u) {
+    const auto at = static_cast<std::size_t>(u);
+    if (prior.wanted[at] == 0 || found.energy[at] == kNoEnergy) continue;
+    const bool ambiguous = params.match_margin > 0.0 && found.rival[at] != kNoEnergy &&
+                           static_cast<float>(found.energy[at]) >= keep * static_cast<float>(found.rival[at]);
+    if (ambiguous) continue;
+    const int largest = std::min(params.max_disparity, view == View::left ? u : width - 1 - u);
+    disparity[u] = params.subpixel ? refine(found, at, largest) : static_cast<float>(found.disparity[at]);
+  }
+}
+
+}  // namespace
+}  // namespace brink::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace brink {
+
+HWY_EXPORT(match_row);
+
+void match_dense_row(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
+                     const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, float* disparity) {
+  HWY_DYNAMIC_DISPATCH(match_row)(view, image, other, v, prior, grid, penalty, params, disparity);
+}
+
+}  // namespace brink
+#endif  // HWY_ONCE

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "brink/disparity.hpp"
+#include "disparity/delaunay.hpp"
+#include "disparity/dense_matching.hpp"
+#include "disparity/descriptors.hpp"
+
+// The naive twin of disparity/dense_matching_simd.cpp: pixel by pixel, in the words of its header.
+namespace brink::reference {
+
+class PixelMatcher {
+ public:
+  PixelMatcher(View view, const DescriptorImage& image, const DescriptorImage& other, const Penalty& penalty,
+               const ElasParams& params)
+      : direction_(view == View::left ? -1 : 1), image_(image), other_(other), penalty_(penalty), params_(params) {}
+
+  /// @param plane none outside all triangles. @param nearby of the pixel's cell.
+  [[nodiscard]] float match(int u, int v, const std::optional<PriorPlane>& plane, const std::uint64_t* nearby) const {
+    std::optional<int> expected;
+    if (plane) expected = static_cast<int>(std::floor(std::clamp(plane->disparity(u, v), -10000.0F, 10000.0F) + 0.5F));
+    const int radius = static_cast<int>(penalty_.near_plane.size()) - 1;
+    const int largest = std::min(params_.max_disparity, direction_ < 0 ? u : image_.width() - 1 - u);
+
+    std::vector<Candidate> candidates;
+    for (int d = 0; d <= largest; ++d) {
+      const bool is_nearby = ((nearby[d / 64] >> static_cast<unsigned>(d % 64)) & 1U) != 0;
+      const bool on_plane = expected && std::abs(d - *expected) <= radius;
+      if (!is_nearby && !on_plane) continue;
+      const int penalty = on_plane && plane->reliable ? penalty_.near_plane[static_cast<std::size_t>(std::abs(d - *expected))]
+                                                      : penalty_.elsewhere;
+      candidates.push_back({d, Penalty::kUnits * cost(u, v, d) + penalty});
+    }
+    if (candidates.empty()) return kInvalidDisparity;
+    const Candidate best = *std::min_element(candidates.begin(), candidates.end(),
+                                             [](const Candidate& a, const Candidate& b) { return a.energy < b.energy; });
+    if (is_ambiguous(best, candidates)) return kInvalidDisparity;
+    return params_.subpixel ? refine(u, v, best.disparity, largest) : static_cast<float>(best.disparity);
+  }
+
+ private:
+  struct Candidate {
+    int disparity = 0;
+    int energy = 0;
+  };
+
+  [[nodiscard]] int cost(int u, int v, int d) const {
+    return compute_cost(image_.row(v)[u], other_.row(v)[u + direction_ * d]);
+  }
+
+  [[nodiscard]] bool is_ambiguous(const Candidate& best, const std::vector<Candidate>& candidates) const {
+    if (params_.match_margin <= 0.0) return false;
+    const auto keep = static_cast<float>(1.0 - params_.match_margin);
+    return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& rival) {
+      return std::abs(rival.disparity - best.disparity) > 1 &&
+             static_cast<float>(best.energy) >= keep * static_cast<float>(rival.energy);
+    });
+  }
+
+  [[nodiscard]] float refine(int u, int v, int d, int largest) const {
+    const auto whole = static_cast<float>(d);
+    if (d < 1 || d >= largest) return whole;
+    const int below = cost(u, v, d - 1);
+    const int above = cost(u, v, d + 1);
+    const int rise = std::max(below, above) - cost(u, v, d);
+    if (rise <= 0) return whole;
+    return whole + std::clamp(static_cast<float>(below - above) / static_cast<float>(2 * rise), -0.5F, 0.5F);
+  }
+
+  int direction_;
+  const DescriptorImage& image_;
+  const DescriptorImage& other_;
+  const Penalty& penalty_;
+  const ElasParams& params_;
+};
+
+inline cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorImage& other,
+                             const std::vector<SupportPoint>& points, const ElasParams& params) {
+  const cv::Size size(image.width(), image.height());
+  const std::vector<Triangle> triangles = triangulate(points);
+  const std::vector<PriorPlane> planes = fit_planes(view, points, triangles);
+  const cv::Mat1i labels = label_triangles(points, triangles, size);
+  const CandidateGrid grid = make_candidate_grid(points, size, params);
+  const cv::Mat1b textured = find_textured(image, params);
+  const Penalty penalty = make_penalty(params);
+  const PixelMatcher matcher(view, image, other, penalty, params);
+
+  cv::Mat1f disparity(size, kInvalidDisparity);
+  for (int v = 0; v < size.height; ++v) {
+    for (int u = 0; u < size.width; ++u) {
+      if (textured(v, u) == 0) continue;
+      std::optional<PriorPlane> plane;
+      if (labels(v, u) >= 0) plane = planes[static_cast<std::size_t>(labels(v, u))];
+      if (plane || params.match_outside) disparity(v, u) = matcher.match(u, v, plane, grid.at(u, v));
+    }
+  }
+  return disparity;
+}
+
+}  // namespace brink::reference
