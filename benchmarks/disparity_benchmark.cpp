@@ -1,40 +1,24 @@
-#include <cstdint>
-#include <cstdlib>
 #include <string>
+#include <vector>
 
 #include <benchmark/benchmark.h>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
+#include <opencv2/calib3d.hpp>
 
 #include "brink/disparity.hpp"
+#include "disparity/consistency.hpp"
+#include "disparity/delaunay.hpp"
+#include "disparity/dense_matching.hpp"
+#include "disparity/descriptors.hpp"
+#include "disparity/postprocess.hpp"
+#include "disparity/support_points.hpp"
+#include "pair.hpp"
 
-// Time of each matcher on one pair, 0 to 255 px: BRINK_TEST_DATA/aloe where it is set, a synthetic wall of 1280x720 otherwise.
+// Time of each matcher on one pair, 0 to 255 px, and of each step of ELAS, 0 to 127 px, beside the yardstick of BENCHMARKS.md.
+// BRINK_BENCHMARK_PAIR names the folder of a sequence; a synthetic wall of 1280x720 otherwise.
 namespace {
 
-struct Pair {
-  cv::Mat1b left;
-  cv::Mat1b right;
-};
-
-Pair make_wall() {
-  constexpr int kDisparity = 60;
-  cv::Mat1b texture(720, 1280 + kDisparity);
-  cv::RNG(1).fill(texture, cv::RNG::UNIFORM, 0, 256);
-  cv::GaussianBlur(texture, texture, {3, 3}, 0.8);
-  return {texture.colRange(0, 1280).clone(), texture.colRange(kDisparity, 1280 + kDisparity).clone()};
-}
-
-Pair read_pair() {
-  const char* root = std::getenv("BRINK_TEST_DATA");
-  if (root == nullptr) return make_wall();
-  const cv::Mat left = cv::imread(std::string(root) + "/aloe/image_2/000000.png", cv::IMREAD_COLOR);
-  const cv::Mat right = cv::imread(std::string(root) + "/aloe/image_3/000000.png", cv::IMREAD_COLOR);
-  if (left.empty() || right.empty()) return make_wall();
-  Pair pair;
-  cv::cvtColor(left, pair.left, cv::COLOR_BGR2GRAY);
-  cv::cvtColor(right, pair.right, cv::COLOR_BGR2GRAY);
-  return pair;
-}
+using brink::benchmarks::Pair;
+using brink::benchmarks::read_pair;
 
 void match(benchmark::State& state, const brink::DisparityParams& params) {
   const Pair pair = read_pair();
@@ -61,5 +45,88 @@ BENCHMARK_CAPTURE(match_elas, middlebury, brink::ElasParams::middlebury())->Unit
 BENCHMARK_CAPTURE(match_with, bm, brink::Matcher::bm)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(match_with, sgbm, brink::Matcher::sgbm)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(match_with, sgbm_wls, brink::Matcher::sgbm_wls)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+constexpr int kMostDisparity = 127;
+
+/// Y: OpenCV's StereoSGBM, MODE_SGBM_3WAY, 128 disparities, one thread.
+void yardstick(benchmark::State& state) {
+  const Pair pair = read_pair();
+  const auto matcher = cv::StereoSGBM::create(0, 128, 5, 200, 800, 1, 0, 10, 100, 32, cv::StereoSGBM::MODE_SGBM_3WAY);
+  const int threads = cv::getNumThreads();
+  cv::setNumThreads(1);
+  cv::Mat disparity;
+  while (state.KeepRunning()) matcher->compute(pair.left, pair.right, disparity);
+  cv::setNumThreads(threads);
+}
+BENCHMARK(yardstick)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+/// What each step of ELAS gets from the one before.
+struct Steps {
+  explicit Steps(const Pair& pair)
+      : left(brink::compute_descriptors(pair.left)),
+        right(brink::compute_descriptors(pair.right)),
+        points(brink::find_support_points(left, right, params())),
+        dense(brink::match_dense(brink::View::left, left, right, points, params())),
+        dense_right(brink::match_dense(brink::View::right, right, left, brink::move_to_right_view(points), params())),
+        checked(brink::check_consistency(dense, dense_right, 2.0F)) {}
+
+  static brink::ElasParams params() {
+    brink::ElasParams params;
+    params.max_disparity = kMostDisparity;
+    return params;
+  }
+
+  brink::DescriptorImage left;
+  brink::DescriptorImage right;
+  std::vector<brink::SupportPoint> points;
+  cv::Mat1f dense;
+  cv::Mat1f dense_right;
+  cv::Mat1f checked;
+};
+
+template <typename Step>
+void time_step(benchmark::State& state, const Step& step) {
+  const Pair pair = read_pair();
+  const Steps steps(pair);
+  while (state.KeepRunning()) benchmark::DoNotOptimize(step(pair, steps));
+}
+
+void register_step(const char* name, const auto& step) {
+  benchmark::RegisterBenchmark(name, [step](benchmark::State& state) { time_step(state, step); })
+      ->Unit(benchmark::kMillisecond)
+      ->UseRealTime();
+}
+
+[[maybe_unused]] const bool kRegistered = [] {
+  register_step("elas", [](const Pair& pair, const Steps&) {
+    brink::DisparityParams params;
+    params.elas = Steps::params();
+    return brink::compute_disparity(pair.left, pair.right, params);
+  });
+  register_step("elas/descriptors",
+                [](const Pair& pair, const Steps&) { return brink::compute_descriptors(pair.left).width(); });
+  register_step("elas/support_candidates", [](const Pair&, const Steps& steps) {
+    return brink::match_support_candidates(steps.left, steps.right, Steps::params());
+  });
+  register_step("elas/support_points", [](const Pair&, const Steps& steps) {
+    return brink::find_support_points(steps.left, steps.right, Steps::params()).size();
+  });
+  register_step("elas/triangulate", [](const Pair&, const Steps& steps) { return brink::triangulate(steps.points).size(); });
+  register_step("elas/textured",
+                [](const Pair&, const Steps& steps) { return brink::find_textured(steps.left, Steps::params()); });
+  register_step("elas/labels", [](const Pair& pair, const Steps& steps) {
+    return brink::label_triangles(steps.points, brink::triangulate(steps.points), pair.left.size());
+  });
+  register_step("elas/dense_left", [](const Pair&, const Steps& steps) {
+    return brink::match_dense(brink::View::left, steps.left, steps.right, steps.points, Steps::params());
+  });
+  register_step("elas/consistency",
+                [](const Pair&, const Steps& steps) { return brink::check_consistency(steps.dense, steps.dense_right, 2.0F); });
+  register_step("elas/speckles",
+                [](const Pair&, const Steps& steps) { return brink::remove_speckles(steps.checked, 1.0F, 200); });
+  register_step("elas/gaps", [](const Pair&, const Steps& steps) { return brink::fill_gaps(steps.checked, 5, false); });
+  register_step("elas/mean", [](const Pair&, const Steps& steps) { return brink::filter_adaptive_mean(steps.checked); });
+  return true;
+}();
 
 }  // namespace

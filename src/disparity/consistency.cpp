@@ -14,9 +14,9 @@ cv::Mat1f check_consistency(const cv::Mat1f& left, const cv::Mat1f& right, float
     for (int u = 0; u < left.cols; ++u) {
       const float d = left(v, u);
       if (d == kInvalidDisparity) continue;
-      const int counterpart = static_cast<int>(std::lround(static_cast<float>(u) - d));
-      if (counterpart < 0 || counterpart >= right.cols) continue;
-      const float back = right(v, counterpart);
+      const float counterpart = static_cast<float>(u) - d + 0.5F;
+      if (counterpart < 0.0F || counterpart >= static_cast<float>(right.cols)) continue;
+      const float back = right(v, static_cast<int>(counterpart));
       if (back != kInvalidDisparity && std::abs(d - back) <= threshold_px) checked(v, u) = d;
     }
   });

@@ -9,6 +9,7 @@
 #include <tbb/parallel_for.h>
 
 #include "brink/disparity.hpp"
+#include "disparity/postprocess_simd.hpp"
 
 namespace brink {
 namespace {
@@ -84,19 +85,6 @@ void filter_line(const Line& line, const Value& value) {
   }
 }
 
-float adaptive_mean(const Line& line, int i) {
-  constexpr float kStep = 4.0F;
-  float sum = 0.0F;
-  float weights = 0.0F;
-  for (int k = std::max(0, i - kReach); k <= std::min(line.size() - 1, i + kReach); ++k) {
-    if (!line.is_valid(k)) continue;
-    const float weight = std::max(0.0F, kStep - std::abs(line[k] - line[i]));
-    sum += weight * line[k];
-    weights += weight;
-  }
-  return sum / weights;
-}
-
 float median(const Line& line, int i) {
   std::array<float, 2 * kReach + 1> values{};
   auto* last = values.begin();
@@ -108,32 +96,96 @@ float median(const Line& line, int i) {
   return *middle;
 }
 
+/// Valid pixels [begin, end) of row v, neighbours alike.
+struct Run {
+  int v = 0;
+  int begin = 0;
+  int end = 0;
+};
+
+/// Runs that are joined to segments.
+class Segments {
+ public:
+  [[nodiscard]] int count() const { return static_cast<int>(runs_.size()); }
+  [[nodiscard]] const Run& run(int i) const { return runs_[static_cast<std::size_t>(i)]; }
+  void add(const Run& run) {
+    parents_.push_back(count());
+    sizes_.push_back(run.end - run.begin);
+    runs_.push_back(run);
+  }
+  void join(int a, int b) {
+    a = root_of(a);
+    b = root_of(b);
+    if (a == b) return;
+    parents_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    sizes_[static_cast<std::size_t>(std::min(a, b))] += sizes_[static_cast<std::size_t>(std::max(a, b))];
+  }
+  /// Pixels of the segment that a run belongs to.
+  [[nodiscard]] int size_of(int i) { return sizes_[static_cast<std::size_t>(root_of(i))]; }
+
+ private:
+  [[nodiscard]] int root_of(int i) {
+    int& parent = parents_[static_cast<std::size_t>(i)];
+    while (parents_[static_cast<std::size_t>(parent)] != parent) parent = parents_[static_cast<std::size_t>(parent)];
+    return parent;
+  }
+
+  std::vector<Run> runs_;
+  std::vector<int> parents_;
+  std::vector<int> sizes_;  ///< of a root: of all its runs, px
+};
+
+void add_runs(const float* row, int v, int width, float similarity_px, Segments& segments) {
+  int u = 0;
+  while (u < width) {
+    if (row[u] == kInvalidDisparity) {
+      ++u;
+      continue;
+    }
+    Run run{v, u, u + 1};
+    while (run.end < width && row[run.end] != kInvalidDisparity && std::abs(row[run.end] - row[run.end - 1]) <= similarity_px) {
+      ++run.end;
+    }
+    segments.add(run);
+    u = run.end;
+  }
+}
+
+/// Joins the runs of two rows that touch in pixels which are alike.
+void join_rows(const float* upper, cv::Range upper_runs, const float* lower, cv::Range lower_runs, float similarity_px,
+               Segments& segments) {
+  int i = upper_runs.start;
+  int j = lower_runs.start;
+  while (i < upper_runs.end && j < lower_runs.end) {
+    const Run a = segments.run(i);
+    const Run b = segments.run(j);
+    for (int u = std::max(a.begin, b.begin); u < std::min(a.end, b.end); ++u) {
+      if (std::abs(upper[u] - lower[u]) > similarity_px) continue;
+      segments.join(i, j);
+      break;
+    }
+    (a.end <= b.end ? i : j) += 1;
+  }
+}
+
 }  // namespace
 
 cv::Mat1f remove_speckles(const cv::Mat1f& disparity, float similarity_px, int min_size_px) {
-  const std::array<cv::Point, 4> neighbors = {cv::Point{0, -1}, {-1, 0}, {1, 0}, {0, 1}};
-  const cv::Rect picture(cv::Point(), disparity.size());
-  cv::Mat1f result = disparity.clone();
-  cv::Mat1b visited(disparity.size(), std::uint8_t{0});
-  std::vector<cv::Point> segment;
+  // Segments are found as runs: similar neighbours of a row, joined to those of the row above.
+  Segments segments;
+  cv::Range above(0, 0);  // the runs of the row above
   for (int v = 0; v < disparity.rows; ++v) {
-    for (int u = 0; u < disparity.cols; ++u) {
-      if (visited(v, u) != 0 || disparity(v, u) == kInvalidDisparity) continue;
-      segment.assign(1, {u, v});
-      visited(v, u) = 1;
-      for (std::size_t next = 0; next < segment.size(); ++next) {
-        const cv::Point at = segment[next];
-        for (const cv::Point& step : neighbors) {
-          const cv::Point neighbor = at + step;
-          if (!picture.contains(neighbor) || visited(neighbor) != 0 || disparity(neighbor) == kInvalidDisparity) continue;
-          if (std::abs(disparity(neighbor) - disparity(at)) > similarity_px) continue;
-          visited(neighbor) = 1;
-          segment.push_back(neighbor);
-        }
-      }
-      if (segment.size() >= static_cast<std::size_t>(min_size_px)) continue;
-      for (const cv::Point& pixel : segment) result(pixel) = kInvalidDisparity;
-    }
+    const int first = segments.count();
+    add_runs(disparity[v], v, disparity.cols, similarity_px, segments);
+    const cv::Range here(first, segments.count());
+    if (v > 0) join_rows(disparity[v - 1], above, disparity[v], here, similarity_px, segments);
+    above = here;
+  }
+  cv::Mat1f result = disparity.clone();
+  for (int i = 0; i < segments.count(); ++i) {
+    if (segments.size_of(i) >= min_size_px) continue;
+    const Run& run = segments.run(i);
+    std::fill(result[run.v] + run.begin, result[run.v] + run.end, kInvalidDisparity);
   }
   return result;
 }
@@ -147,7 +199,26 @@ cv::Mat1f extend_to_borders(const cv::Mat1f& disparity, int max_width_px) {
 }
 
 cv::Mat1f filter_adaptive_mean(const cv::Mat1f& disparity) {
-  return change_lines(disparity, [](const Line& line) { filter_line(line, adaptive_mean); });
+  const cv::Size size = disparity.size();
+  cv::Mat1f along_rows(size);
+  tbb::parallel_for(0, size.height, [&](int v) {
+    std::vector<float> padded(static_cast<std::size_t>(size.width) + 2 * kReach, kInvalidDisparity);
+    std::copy_n(disparity[v], size.width, padded.begin() + kReach);
+    std::array<const float*, 2 * kReach + 1> around{};
+    for (std::size_t k = 0; k < around.size(); ++k) around[k] = padded.data() + k;
+    filter_mean_line(around, size.width, along_rows[v]);
+  });
+  const std::vector<float> outside(static_cast<std::size_t>(size.width), kInvalidDisparity);
+  cv::Mat1f result(size);
+  tbb::parallel_for(0, size.height, [&](int v) {
+    std::array<const float*, 2 * kReach + 1> around{};
+    for (int k = -kReach; k <= kReach; ++k) {
+      const bool inside = v + k >= 0 && v + k < size.height;
+      around[static_cast<std::size_t>(k + kReach)] = inside ? along_rows[v + k] : outside.data();
+    }
+    filter_mean_line(around, size.width, result[v]);
+  });
+  return result;
 }
 
 cv::Mat1f filter_median(const cv::Mat1f& disparity) {

@@ -25,7 +25,8 @@ bool has_similar(const SupportGrid& grid, int i, int j, int di, int dj) {
   return false;
 }
 
-int count_agreeing(const SupportGrid& grid, int i, int j, const ElasParams& params) {
+/// Whether so many points of the window, the point itself included, agree with it.
+bool is_supported(const SupportGrid& grid, int i, int j, const ElasParams& params) {
   const int reach = params.inconsistency_window;
   int agreeing = 0;
   for (int y = std::max(j - reach, 0); y <= std::min(j + reach, grid.rows - 1); ++y) {
@@ -33,8 +34,9 @@ int count_agreeing(const SupportGrid& grid, int i, int j, const ElasParams& para
       const bool agrees = grid(y, x) != kNoSupport && std::abs(grid(y, x) - grid(j, i)) <= params.inconsistency_threshold_px;
       agreeing += agrees ? 1 : 0;
     }
+    if (agreeing >= params.inconsistency_min_support) return true;
   }
-  return agreeing;
+  return false;
 }
 
 }  // namespace
@@ -51,7 +53,7 @@ SupportGrid remove_inconsistent(const SupportGrid& grid, const ElasParams& param
   for (int j = 0; j < grid.rows; ++j) {
     for (int i = 0; i < grid.cols; ++i) {
       if (grid(j, i) == kNoSupport) continue;
-      if (count_agreeing(grid, i, j, params) < params.inconsistency_min_support) result(j, i) = kNoSupport;
+      if (!is_supported(grid, i, j, params)) result(j, i) = kNoSupport;
     }
   }
   return result;

@@ -7,6 +7,7 @@
 
 #include "brink/disparity.hpp"
 #include "reference/naive_disparity.hpp"
+#include "simd_targets.hpp"
 
 namespace brink {
 namespace {
@@ -54,7 +55,7 @@ TEST(Postprocess, SpecklesSmallerThanTheLimitGo) {
 }
 
 TEST(Postprocess, SpecklesEqualTheirDefinition) {
-  for (const cv::Size size : {cv::Size(1, 1), cv::Size(7, 5), cv::Size(23, 19)}) {
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(7, 5), cv::Size(23, 19), cv::Size(150, 90)}) {
     for (const int min_size : {1, 2, 6}) {
       const cv::Mat1f disparity = make_random(size, 5);
       expect_equal(remove_speckles(disparity, 1.0F, min_size), reference::remove_speckles(disparity, 1.0F, min_size));
@@ -97,6 +98,27 @@ TEST(Postprocess, AdaptiveMeanEqualsItsDefinition) {
   for (float& value : values) value = random.uniform(0.0F, 9.0F);
   for (const std::size_t hole : {3U, 10U, 11U, 24U}) values[hole] = kNone;
   expect_equal(filter_adaptive_mean(make_row(values)), make_row(reference::adaptive_mean(values)));
+}
+
+/// Rows, then columns.
+cv::Mat1f twin_of_mean(const cv::Mat1f& disparity) {
+  cv::Mat1f result(disparity.size());
+  for (int v = 0; v < result.rows; ++v) make_row(reference::adaptive_mean(disparity.row(v))).copyTo(result.row(v));
+  for (int u = 0; u < result.cols; ++u) {
+    const cv::Mat1f column = result.col(u).clone();
+    cv::Mat1f(reference::adaptive_mean(column.reshape(1, 1)), true).copyTo(result.col(u));
+  }
+  return result;
+}
+
+TEST(Postprocess, AdaptiveMeanEqualsItsTwinOnEveryTarget) {
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(3, 9), cv::Size(37, 23), cv::Size(64, 5)}) {
+    cv::Mat1f disparity(size);
+    cv::RNG(4).fill(disparity, cv::RNG::UNIFORM, -1.0F, 9.0F);
+    disparity.setTo(kNone, disparity < 0.5F);
+    const cv::Mat1f expected = twin_of_mean(disparity);
+    test::for_each_target([&] { expect_equal(filter_adaptive_mean(disparity), expected); });
+  }
 }
 
 TEST(Postprocess, AdaptiveMeanLeavesStepsAndSlopes) {
