@@ -7,13 +7,15 @@ namespace brink {
 namespace {
 
 // Printed by scripts/fit-probability.
-constexpr double kConstant = -8.568;
-constexpr double kSolidAngle = 1.815;  // of the logarithm
-constexpr double kSigmas = 2.006;      // of the logarithm
-constexpr double kMisfit = 1.390;
-constexpr double kRoughness = -1.430;  // of the logarithm
+constexpr double kConstant = -9.982;
+constexpr double kSolidAngle = 1.644;  // of the logarithm
+constexpr double kSigmas = 2.903;      // of the logarithm
+constexpr double kMisfit = 1.250;
+constexpr double kRoughness = -3.746;  // of the logarithm
+constexpr double kGroundShare = 2.079;
+constexpr double kStandingShare = -7.326;
 
-constexpr double kNoDisparity = 0.6;  // enough to be validated at the fifth sighting, as by the paper
+constexpr double kNoDisparity = 1.23;  // enough to be validated at the fifth sighting, as by the paper
 constexpr double kLeast = -4.0;
 constexpr double kMost = 6.0;
 
@@ -28,7 +30,8 @@ double compute_evidence(const Candidate& candidate) {
   if (candidate.type == CandidateType::no_disparity) return kNoDisparity;
   const Measures& measures = candidate.measures;
   const double log_odds = kConstant + kSolidAngle * log_of(measures.solid_angle_msr) + kSigmas * log_of(measures.sigmas) +
-                          kMisfit * measures.ground_misfit + kRoughness * log_of(measures.roughness);
+                          kMisfit * measures.ground_misfit + kRoughness * log_of(measures.roughness) +
+                          kGroundShare * measures.ground_share + kStandingShare * measures.standing_share;
   return std::clamp(log_odds, kLeast, kMost);
 }
 

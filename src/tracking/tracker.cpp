@@ -247,10 +247,10 @@ std::optional<double> Tracker::typical_step() const {
 
 // Logistic regression on simulated walks, printed by scripts/fit-probability (docs/algorithm.md).
 void Tracker::judge(Track& track) const {
-  constexpr double kConstant = -2.708;
-  constexpr double kEvidence = 1.459;
-  constexpr double kSightings = 1.785;  // of the logarithm of those that 15 frames a second would give
-  constexpr double kUnseen = -2.724;    // for each second
+  constexpr double kConstant = -1.224;
+  constexpr double kEvidence = 1.267;
+  constexpr double kSightings = 0.340;  // of the logarithm of those that 15 frames a second would give
+  constexpr double kUnseen = -2.756;    // for each second
   track.validated = track.length >= required_sightings();
   if (params_.min_probability <= 0.0) return;
   const double sightings = track.length * typical_step().value_or(kUsualStep) / kUsualStep;
