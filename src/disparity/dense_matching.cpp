@@ -9,6 +9,7 @@
 #include <tbb/parallel_for.h>
 
 #include "disparity/dense_matching_simd.hpp"
+#include "disparity/descriptors_simd.hpp"
 
 namespace brink {
 namespace {
@@ -58,9 +59,7 @@ void expect_row(const int* labels, const std::vector<PriorPlane>& planes, int v,
 
 cv::Mat1b find_textured(const DescriptorImage& image, const ElasParams& params) {
   cv::Mat1s texture(image.height(), image.width());
-  for (int v = 0; v < texture.rows; ++v) {
-    for (int u = 0; u < texture.cols; ++u) texture(v, u) = static_cast<std::int16_t>(compute_texture(image.row(v)[u]));
-  }
+  tbb::parallel_for(0, texture.rows, [&](int v) { compute_texture_row(image.row(v), image.width(), texture[v]); });
   const int window = 2 * params.texture_radius_px + 1;
   cv::Mat1i sum;
   cv::boxFilter(texture, sum, CV_32S, {window, window}, {-1, -1}, false, cv::BORDER_REPLICATE);

@@ -3,6 +3,8 @@
 #include <opencv2/imgproc.hpp>
 #include <tbb/parallel_for.h>
 
+#include "disparity/descriptors_simd.hpp"
+
 namespace brink {
 namespace {
 
@@ -30,17 +32,12 @@ DescriptorImage compute_descriptors(const cv::Mat1b& image) {
 
   DescriptorImage descriptors(image.cols, image.rows);
   tbb::parallel_for(0, image.rows, [&](int v) {
-    std::array<const std::uint8_t*, 5> du{};  // du[i][u], dv[i][u]: sample at column u + 2 - kReach.. of row v - 2 + i
-    std::array<const std::uint8_t*, 5> dv{};
+    GradientRows gradients;
     for (int i = 0; i < 5; ++i) {
-      du[static_cast<std::size_t>(i)] = horizontal[v + i] + kReach;
-      dv[static_cast<std::size_t>(i)] = vertical[v + i] + kReach;
+      gradients.horizontal[static_cast<std::size_t>(i)] = horizontal[v + i] + kReach;
+      gradients.vertical[static_cast<std::size_t>(i)] = vertical[v + i] + kReach;
     }
-    Descriptor* const row = descriptors.row(v);
-    for (int u = 0; u < image.cols; ++u) {
-      row[u] = {du[0][u],     du[1][u - 2], du[1][u],     du[1][u + 2], du[2][u - 1], du[2][u],     du[2][u],     du[2][u + 1],
-                du[3][u - 2], du[3][u],     du[3][u + 2], du[4][u],     dv[1][u],     dv[2][u - 1], dv[2][u + 1], dv[3][u]};
-    }
+    gather_descriptors(gradients, image.cols, descriptors.row(v));
   });
   return descriptors;
 }

@@ -1,9 +1,14 @@
 #include "disparity/descriptors.hpp"
 
+#include <cstdint>
+#include <vector>
+
 #include <gtest/gtest.h>
 
+#include "disparity/descriptors_simd.hpp"
 #include "disparity/synthetic.hpp"
 #include "reference/naive_disparity.hpp"
+#include "simd_targets.hpp"
 
 namespace brink {
 namespace {
@@ -40,15 +45,23 @@ TEST(Descriptors, OppositeDescriptorsAreFarthestApart) {
 }
 
 TEST(Descriptors, EqualTheDefinitionOnOddSizes) {
-  for (const cv::Size size : {cv::Size(1, 1), cv::Size(2, 1), cv::Size(3, 5), cv::Size(17, 13), cv::Size(33, 7)}) {
+  for (const cv::Size size :
+       {cv::Size(1, 1), cv::Size(2, 1), cv::Size(3, 5), cv::Size(17, 13), cv::Size(33, 7), cv::Size(79, 4)}) {
     cv::Mat1b image(size);
     cv::RNG(7).fill(image, cv::RNG::UNIFORM, 0, 256);
-    const DescriptorImage descriptors = compute_descriptors(image);
-    ASSERT_EQ(descriptors.width(), size.width);
-    ASSERT_EQ(descriptors.height(), size.height);
-    for (int v = 0; v < size.height; ++v) {
-      for (int u = 0; u < size.width; ++u) ASSERT_EQ(descriptors.row(v)[u], reference::describe(image, u, v)) << u << "," << v;
-    }
+    test::for_each_target([&] {
+      const DescriptorImage descriptors = compute_descriptors(image);
+      ASSERT_EQ(descriptors.width(), size.width);
+      ASSERT_EQ(descriptors.height(), size.height);
+      for (int v = 0; v < size.height; ++v) {
+        std::vector<std::int16_t> texture(static_cast<std::size_t>(size.width));
+        compute_texture_row(descriptors.row(v), size.width, texture.data());
+        for (int u = 0; u < size.width; ++u) {
+          ASSERT_EQ(descriptors.row(v)[u], reference::describe(image, u, v)) << u << "," << v;
+          ASSERT_EQ(texture[static_cast<std::size_t>(u)], compute_texture(descriptors.row(v)[u])) << u << "," << v;
+        }
+      }
+    });
   }
 }
 

@@ -1,0 +1,105 @@
+#include "disparity/descriptors_simd.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "disparity/descriptors_simd.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include "simd/sums_of_differences-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace brink::HWY_NAMESPACE {
+namespace {
+
+/// Where the sixteen samples of the first pixel lie (algorithms.md A.2).
+std::array<const std::uint8_t*, 16> find_samples(const GradientRows& gradients) {
+  const auto& du = gradients.horizontal;
+  const auto& dv = gradients.vertical;
+  return {du[0],     du[1] - 2, du[1],     du[1] + 2, du[2] - 1, du[2],     du[2],     du[2] + 1,
+          du[3] - 2, du[3],     du[3] + 2, du[4],     dv[1],     dv[2] - 1, dv[2] + 1, dv[3]};
+}
+
+void gather_pixel(const std::array<const std::uint8_t*, 16>& samples, std::size_t u, Descriptor* row) {
+  for (std::size_t k = 0; k < samples.size(); ++k) row[u][k] = samples[k][u];
+}
+
+#if HWY_TARGET == HWY_SCALAR
+
+void gather(const GradientRows& gradients, std::size_t width, Descriptor* row) {
+  const std::array<const std::uint8_t*, 16> samples = find_samples(gradients);
+  for (std::size_t u = 0; u < width; ++u) gather_pixel(samples, u, row);
+}
+
+void add_up_texture(const Descriptor* row, std::size_t width, std::int16_t* texture) {
+  for (std::size_t u = 0; u < width; ++u) texture[u] = static_cast<std::int16_t>(compute_texture(row[u]));
+}
+
+#else
+
+/// Merges rows i and i + 8 of a 16x16 matrix of bytes; four times makes columns of its rows.
+template <class D>
+HWY_INLINE void interleave_halves(D bytes, const hn::Vec<D>* from, hn::Vec<D>* to) {
+  for (std::size_t i = 0; i < 8; ++i) {
+    to[2 * i] = hn::InterleaveLower(bytes, from[i], from[i + 8]);
+    to[2 * i + 1] = hn::InterleaveUpper(bytes, from[i], from[i + 8]);
+  }
+}
+
+void gather(const GradientRows& gradients, std::size_t width, Descriptor* row) {
+  const hn::FixedTag<std::uint8_t, 16> bytes;
+  const std::array<const std::uint8_t*, 16> samples = find_samples(gradients);
+  const std::size_t whole = width - width % 16;
+  for (std::size_t u = 0; u < whole; u += 16) {
+    hn::Vec<decltype(bytes)> a[16];
+    hn::Vec<decltype(bytes)> b[16];
+    for (std::size_t k = 0; k < 16; ++k) a[k] = hn::LoadU(bytes, samples[k] + u);
+    interleave_halves(bytes, a, b);
+    interleave_halves(bytes, b, a);
+    interleave_halves(bytes, a, b);
+    interleave_halves(bytes, b, a);
+    for (std::size_t k = 0; k < 16; ++k) hn::StoreU(a[k], bytes, row[u + k].data());
+  }
+  for (std::size_t u = whole; u < width; ++u) gather_pixel(samples, u, row);
+}
+
+void add_up_texture(const Descriptor* row, std::size_t width, std::int16_t* texture) {
+  const Bytes bytes;
+  const Shorts shorts;
+  const std::size_t step = descriptors_per_vector();
+  const std::size_t lanes = hn::Lanes(shorts);
+  const auto no_gradient = hn::Set(bytes, 128);
+  const std::size_t whole = width - width % lanes;
+  for (std::size_t u = 0; u < whole; u += lanes) {
+    hn::Vec<Words> sums[8];
+    for (std::size_t j = 0; j < 8; ++j) sums[j] = sum_differences(hn::LoadU(bytes, row[u + j * step].data()), no_gradient);
+    store_in_order(pack_sums(sums), reinterpret_cast<std::uint16_t*>(texture + u));
+  }
+  for (std::size_t u = whole; u < width; ++u) texture[u] = static_cast<std::int16_t>(compute_texture(row[u]));
+}
+
+#endif  // HWY_TARGET == HWY_SCALAR
+
+}  // namespace
+}  // namespace brink::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace brink {
+
+HWY_EXPORT(gather);
+HWY_EXPORT(add_up_texture);
+
+void gather_descriptors(const GradientRows& gradients, int width, Descriptor* row) {
+  HWY_DYNAMIC_DISPATCH(gather)(gradients, static_cast<std::size_t>(width), row);
+}
+
+void compute_texture_row(const Descriptor* row, int width, std::int16_t* texture) {
+  HWY_DYNAMIC_DISPATCH(add_up_texture)(row, static_cast<std::size_t>(width), texture);
+}
+
+}  // namespace brink
+#endif  // HWY_ONCE
