@@ -14,8 +14,8 @@ using Triangle = std::array<int, 3>;
 /// disparity stays: the nearer surface hides the other.
 std::vector<SupportPoint> move_to_right_view(const std::vector<SupportPoint>& points);
 
-/// Delaunay triangulation of the points' (u, v), the dual of their Voronoi diagram. Where more than three points lie on one
-/// circle, the triangles fan out from the one with the smallest index.
+/// Delaunay triangulation of the points' (u, v): no point lies inside the circle through the corners of a triangle. Of several
+/// on one circle always the same triangles, but which ones is not told.
 /// @param points no two at one pixel.
 /// @return no triangle when there are fewer than three points or all lie on one line.
 std::vector<Triangle> triangulate(const std::vector<SupportPoint>& points);

@@ -1,10 +1,13 @@
 #include "disparity/delaunay.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
+
+#include "reference/delaunay.hpp"
 
 namespace brink {
 namespace {
@@ -43,9 +46,27 @@ TEST(Delaunay, NeedsThreePointsThatAreNotOnOneLine) {
   EXPECT_TRUE(triangulate({{0, 0, 1}, {5, 5, 1}, {10, 10, 1}, {30, 30, 1}}).empty());
 }
 
-TEST(Delaunay, SquareFansOutFromItsFirstCorner) {
-  const std::vector<Triangle> triangles = triangulate({{0, 0, 1}, {10, 0, 1}, {10, 10, 1}, {0, 10, 1}});
-  EXPECT_EQ(triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}}));
+TEST(Delaunay, SquareHasTwoTriangles) {
+  const std::vector<SupportPoint> square = {{0, 0, 1}, {10, 0, 1}, {10, 10, 1}, {0, 10, 1}};
+  EXPECT_EQ(triangulate(square).size(), 2U);
+  EXPECT_EQ(triangulate(square), triangulate(square));
+  expect_delaunay(square);
+}
+
+/// Each triangle from its smallest index on, all in order.
+std::vector<Triangle> sorted(std::vector<Triangle> triangles) {
+  for (Triangle& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+  std::sort(triangles.begin(), triangles.end());
+  return triangles;
+}
+
+// Hardly any four of them lie on one circle.
+TEST(Delaunay, EqualsTheDualOfTheVoronoiDiagram) {
+  cv::RNG random(5);
+  std::vector<SupportPoint> points;
+  for (int i = 0; i < 3000; ++i) points.push_back({random.uniform(0, 4000), random.uniform(0, 3000), 1});
+  points = move_to_right_view(points);  // no two at one pixel
+  EXPECT_EQ(sorted(triangulate(points)), sorted(reference::triangulate(points)));
 }
 
 TEST(Delaunay, NoPointLiesInsideACircumcircleAndTheHullIsCovered) {
@@ -60,6 +81,17 @@ TEST(Delaunay, NoPointLiesInsideACircumcircleAndTheHullIsCovered) {
     }
     expect_delaunay(points);
   }
+}
+
+TEST(Delaunay, RowsOfManyPointsAreCovered) {
+  std::vector<SupportPoint> points;
+  cv::RNG random(8);
+  for (int v = 0; v < 200; v += 5) {
+    for (int u = random.uniform(0, 9); u < 160; u += random.uniform(1, 40)) points.push_back({u, v, 3});
+  }
+  expect_delaunay(points);
+  std::swap(points.front(), points.back());  // in any order
+  expect_delaunay(points);
 }
 
 TEST(Delaunay, GridWithManyPointsOnOneCircleIsCovered) {
