@@ -44,14 +44,22 @@ std::array<SupportPoint, 3> corners_of(const Triangle& triangle, const std::vect
 
 /// What the planes expect of the pixels of a row.
 void expect_row(const int* labels, const std::vector<PriorPlane>& planes, int v, RowPrior& prior) {
-  constexpr float kFar = 10000.0F;  // a plane that is nearly upright may expect any number
-  for (std::size_t u = 0; u < prior.expected.size(); ++u) {
-    prior.expected[u] = prior.reliable[u] = RowPrior::kNone;
-    if (labels[u] < 0) continue;
-    const PriorPlane& plane = planes[static_cast<std::size_t>(labels[u])];
-    const float disparity = std::clamp(plane.disparity(static_cast<int>(u), v), -kFar, kFar);
-    prior.expected[u] = static_cast<std::int16_t>(std::floor(disparity + 0.5F));
-    if (plane.reliable) prior.reliable[u] = prior.expected[u];
+  const auto width = static_cast<int>(prior.expected.size());
+  for (int begin = 0, end = 0; begin < width; begin = end) {
+    while (end < width && labels[end] == labels[begin]) ++end;
+    if (labels[begin] < 0) {
+      std::fill(prior.expected.begin() + begin, prior.expected.begin() + end, RowPrior::kNone);
+      std::fill(prior.reliable.begin() + begin, prior.reliable.begin() + end, RowPrior::kNone);
+      continue;
+    }
+    const PriorPlane& plane = planes[static_cast<std::size_t>(labels[begin])];
+    std::int16_t* const expected = prior.expected.data();
+    for (int u = begin; u < end; ++u) expected[u] = static_cast<std::int16_t>(plane.whole_disparity(u, v));
+    if (plane.reliable) {
+      std::copy(expected + begin, expected + end, prior.reliable.begin() + begin);
+    } else {
+      std::fill(prior.reliable.begin() + begin, prior.reliable.begin() + end, RowPrior::kNone);
+    }
   }
 }
 

@@ -1,5 +1,7 @@
 #include "disparity/descriptors.hpp"
 
+#include <utility>
+
 #include <opencv2/imgproc.hpp>
 #include <tbb/parallel_for.h>
 
@@ -23,14 +25,15 @@ cv::Mat1b compute_gradient(const cv::Mat1b& padded, int order_u, int order_v) {
 
 }  // namespace
 
-DescriptorImage compute_descriptors(const cv::Mat1b& image) {
+DescriptorImage compute_descriptors(const cv::Mat1b& image, DescriptorImage memory) {
   if (image.empty()) return {};
   cv::Mat1b padded;
   cv::copyMakeBorder(image, padded, kReach, kReach, kReach, kReach, cv::BORDER_REPLICATE);
   const cv::Mat1b horizontal = compute_gradient(padded, 1, 0);
   const cv::Mat1b vertical = compute_gradient(padded, 0, 1);
 
-  DescriptorImage descriptors(image.cols, image.rows);
+  DescriptorImage descriptors = std::move(memory);
+  descriptors.resize(image.cols, image.rows);
   tbb::parallel_for(0, image.rows, [&](int v) {
     GradientRows gradients;
     for (int i = 0; i < 5; ++i) {

@@ -19,10 +19,14 @@ class DescriptorImage {
   static constexpr std::size_t kPadding = 2112;  // the largest disparity, 2047, and a vector
 
   DescriptorImage() = default;
-  DescriptorImage(int width, int height)
-      : width_(width),
-        height_(height),
-        descriptors_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) + 2 * kPadding) {}
+  DescriptorImage(int width, int height) { resize(width, height); }
+
+  /// What the descriptors are is not told afterwards.
+  void resize(int width, int height) {
+    width_ = width;
+    height_ = height;
+    descriptors_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) + 2 * kPadding);
+  }
 
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
@@ -43,7 +47,8 @@ class DescriptorImage {
 /// Descriptors of all pixels (ACCV 2010, section 3; algorithms.md A.2). Outside the picture its border pixels are repeated, so
 /// that every descriptor is defined.
 /// @param image of any size; empty gives an empty result.
-DescriptorImage compute_descriptors(const cv::Mat1b& image);
+/// @param memory whose memory is used again: that of a whole picture takes longer to get than to fill.
+DescriptorImage compute_descriptors(const cv::Mat1b& image, DescriptorImage memory = {});
 
 /// Texture of a pixel: the sum of the gradient magnitudes in its descriptor, 0..2048.
 inline int compute_texture(const Descriptor& descriptor) {

@@ -1,5 +1,6 @@
 #include "disparity/elas.hpp"
 
+#include <utility>
 #include <vector>
 
 #include <tbb/parallel_invoke.h>
@@ -23,21 +24,17 @@ class ElasMatcher : public StereoMatcher {
   [[nodiscard]] cv::Mat1f compute(const cv::Mat1b& left, const cv::Mat1b& right) override {
     require_equal_sizes(left, right);
 
-    DescriptorImage left_descriptors;
-    DescriptorImage right_descriptors;
-    tbb::parallel_invoke([&] { left_descriptors = compute_descriptors(left); },
-                         [&] { right_descriptors = compute_descriptors(right); });
+    tbb::parallel_invoke([&] { left_ = compute_descriptors(left, std::move(left_)); },
+                         [&] { right_ = compute_descriptors(right, std::move(right_)); });
 
-    const std::vector<SupportPoint> points = find_support_points(left_descriptors, right_descriptors, params_);
+    const std::vector<SupportPoint> points = find_support_points(left_, right_, params_);
     if (points.size() < 3) return {left.size(), kInvalidDisparity};
 
     cv::Mat1f left_disparity;
     cv::Mat1f right_disparity;
     tbb::parallel_invoke(
-        [&] { left_disparity = match_dense(View::left, left_descriptors, right_descriptors, points, params_); },
-        [&] {
-          right_disparity = match_dense(View::right, right_descriptors, left_descriptors, move_to_right_view(points), params_);
-        });
+        [&] { left_disparity = match_dense(View::left, left_, right_, points, params_); },
+        [&] { right_disparity = match_dense(View::right, right_, left_, move_to_right_view(points), params_); });
 
     const auto threshold = static_cast<float>(params_.consistency_threshold_px);
     return clean_up(check_consistency(left_disparity, right_disparity, threshold));
@@ -54,6 +51,8 @@ class ElasMatcher : public StereoMatcher {
   }
 
   ElasParams params_;
+  DescriptorImage left_;  // their memory is used again
+  DescriptorImage right_;
 };
 
 }  // namespace

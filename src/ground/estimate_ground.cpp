@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -7,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include "brink/ground.hpp"
 #include "ground/v_disparity.hpp"
@@ -80,10 +82,14 @@ std::optional<Hypothesis> search_line(const std::vector<DisparitySample>& sample
 /// The best line of every roll angle, best first.
 std::vector<Hypothesis> search_lines(const std::vector<DisparitySample>& samples, const cv::Size& size, double cx,
                                      const Plausibility& plausible, const GroundParams& params) {
-  std::vector<Hypothesis> found;
   const int steps = static_cast<int>(std::ceil(params.max_roll_deg / kRollStepDeg));
-  for (int i = -steps; i <= steps; ++i) {
-    if (const auto line = search_line(samples, i * kRollStepDeg, size, cx, plausible, params)) found.push_back(*line);
+  std::vector<std::optional<Hypothesis>> lines(static_cast<std::size_t>(2 * steps + 1));
+  tbb::parallel_for(-steps, steps + 1, [&](int i) {
+    lines[static_cast<std::size_t>(i + steps)] = search_line(samples, i * kRollStepDeg, size, cx, plausible, params);
+  });
+  std::vector<Hypothesis> found;
+  for (const std::optional<Hypothesis>& line : lines) {
+    if (line) found.push_back(*line);
   }
   std::ranges::stable_sort(found, [](const Hypothesis& x, const Hypothesis& y) { return x.score > y.score; });
   return found;
@@ -95,17 +101,24 @@ GroundPlane refine_plane(const std::vector<DisparitySample>& samples, GroundPlan
                          const GroundParams& params) {
   for (int i = 0; i < kRefinements; ++i) {
     const double widen = std::max(1.0, 3.0 - 0.5 * i);
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right_side = Eigen::Vector3d::Zero();
+    std::array<double, 9> sums{};  // of w u u, w u v, w u, w v v, w v, w, w d u, w d v, w d
     for (const DisparitySample& s : samples) {
       const double expected = plane.disparity(s.u + cx, s.v);
-      const double residual = (s.d - expected) / (widen * tolerance_at(s.d, params));
-      if (expected <= 0.0 || std::abs(residual) >= 1.0) continue;
+      const double error = s.d - expected;
+      const double band = widen * tolerance_at(s.d, params);
+      if (expected <= 0.0 || std::abs(error) >= band) continue;
+      const double residual = error / band;
       const double root = 1.0 - residual * residual;
-      const Eigen::Vector3d x(s.u, s.v, 1.0);
-      normal += root * root * x * x.transpose();
-      right_side += root * root * s.d * x;
+      const double w = root * root;
+      const double wu = w * s.u;
+      const double wv = w * s.v;
+      const double wd = w * s.d;
+      const std::array<double, 9> terms = {wu * s.u, wu * s.v, wu, wv * s.v, wv, w, wd * s.u, wd * s.v, wd};
+      for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += terms[k];
     }
+    Eigen::Matrix3d normal;
+    normal << sums[0], sums[1], sums[2], sums[1], sums[3], sums[4], sums[2], sums[4], sums[5];
+    const Eigen::Vector3d right_side(sums[6], sums[7], sums[8]);
     const Eigen::LDLT<Eigen::Matrix3d> solver(normal);
     const Eigen::Vector3d solution = solver.solve(right_side);
     if (solver.info() != Eigen::Success || !solver.isPositive() || !solution.allFinite()) return {};
@@ -229,12 +242,13 @@ GroundEstimate estimate_ground(const cv::Mat1f& disparity, const StereoCamera& c
   hypotheses.resize(std::min(hypotheses.size(), kRefined));
   if (previous) hypotheses.push_back({*previous, 0.0});
 
+  tbb::parallel_for(std::size_t{0}, hypotheses.size(), [&](std::size_t i) {
+    const GroundPlane plane = refine_plane(samples, hypotheses[i].plane, camera.cx, params);
+    hypotheses[i] = {plane, score_plane(samples, plane, disparity.size(), camera.cx, params)};
+  });
   std::optional<Hypothesis> best;
   for (const Hypothesis& hypothesis : hypotheses) {
-    const GroundPlane plane = refine_plane(samples, hypothesis.plane, camera.cx, params);
-    if (!plausible(plane)) continue;
-    const double score = score_plane(samples, plane, disparity.size(), camera.cx, params);
-    if (!best || score > best->score) best = Hypothesis{plane, score};
+    if (plausible(hypothesis.plane) && (!best || hypothesis.score > best->score)) best = hypothesis;
   }
   if (!best) return not_visible("no plane of plausible height and tilt");
 

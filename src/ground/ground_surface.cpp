@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include <opencv2/core.hpp>
+#include <tbb/parallel_for.h>
 
 #include "brink/ground.hpp"
 #include "ground/roughness.hpp"
@@ -67,13 +68,24 @@ GroundSurface make_flat_surface(const GroundEstimate& ground, const cv::Mat1f& d
 
 cv::Mat1f compute_elevation(const cv::Mat1f& disparity, const GroundSurface& ground, const StereoCamera& camera) {
   cv::Mat1f elevation = compute_elevation(disparity, ground.plane, camera);
-  if (ground.relief_m.empty()) return elevation;
-  for (int v = 0; v < elevation.rows; ++v) {
+  if (ground.relief_m.empty() || cv::countNonZero(ground.relief_m) == 0) return elevation;
+  // relief(triangulate(u, v, d)) for every pixel. Along a row both of its coordinates at a depth of 1 are linear in u.
+  const double scale = camera.focal * camera.baseline / ground.cell_m;
+  tbb::parallel_for(0, elevation.rows, [&](int v) {
+    const Eigen::Vector3d first((0.0 - camera.cx) / camera.focal, (v - camera.cy) / camera.focal, 1.0);
+    const double right = ground.pose.right.dot(first);
+    const double right_step = ground.pose.right.x() / camera.focal;
+    const double forward = ground.pose.forward.dot(first);
+    const double forward_step = ground.pose.forward.x() / camera.focal;
     for (int u = 0; u < elevation.cols; ++u) {
       if (std::isnan(elevation(v, u))) continue;
-      elevation(v, u) -= static_cast<float>(ground.relief(camera.triangulate(u, v, disparity(v, u))));
+      const double depth = scale / disparity(v, u);  // in cells
+      const double column = depth * (right + u * right_step) + ground.relief_m.cols / 2.0 - 0.5;
+      const double row = depth * (forward + u * forward_step) - 0.5;
+      if (!std::isfinite(column) || !std::isfinite(row)) continue;
+      elevation(v, u) -= static_cast<float>(sample(ground.relief_m, column, row));
     }
-  }
+  });
   return elevation;
 }
 

@@ -26,7 +26,7 @@ class PixelMatcher {
   /// @param plane none outside all triangles. @param nearby of the pixel's cell.
   [[nodiscard]] float match(int u, int v, const std::optional<PriorPlane>& plane, const std::uint64_t* nearby) const {
     std::optional<int> expected;
-    if (plane) expected = static_cast<int>(std::floor(std::clamp(plane->disparity(u, v), -10000.0F, 10000.0F) + 0.5F));
+    if (plane) expected = plane->whole_disparity(u, v);
     const int radius = static_cast<int>(penalty_.near_plane.size()) - 1;
     const int largest = std::min(params_.max_disparity, direction_ < 0 ? u : image_.width() - 1 - u);
 
