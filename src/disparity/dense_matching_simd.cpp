@@ -23,6 +23,8 @@ namespace {
 constexpr std::size_t kMostLanes = std::max(HWY_MAX_BYTES / 2, 8);
 constexpr std::int16_t kNoEnergy = std::numeric_limits<std::int16_t>::max();
 
+namespace hn = hwy::HWY_NAMESPACE;
+
 /// What the search found for each pixel of a row.
 struct Found {
   explicit Found(std::size_t size)
@@ -279,16 +281,74 @@ class CellMatcher {
   HWY_ALIGN std::array<std::int16_t, kMostLanes> largest_{};
 };
 
-/// Moves a disparity by up to half a pixel, to the tip of two lines of equal and opposite slope through the costs of it and
-/// its neighbours: an L1 cost is such a wedge, not a parabola.
-float refine(const Found& found, std::size_t u, int largest) {
-  const auto whole = static_cast<float>(found.disparity[u]);
-  if (found.disparity[u] < 1 || found.disparity[u] >= largest) return whole;
-  const int rise = std::max(found.cost_below[u], found.cost_above[u]) - found.cost[u];
-  if (rise <= 0) return whole;
-  return whole +
-         std::clamp(static_cast<float>(found.cost_below[u] - found.cost_above[u]) / static_cast<float>(2 * rise), -0.5F, 0.5F);
-}
+/// The last step for the pixels of a row: which are certain, and where between whole numbers they lie.
+class RowFinisher {
+ public:
+  RowFinisher(View view, int width, const Found& found, const RowPrior& prior, const ElasParams& params)
+      : from_left_(view == View::left),
+        width_(width),
+        found_(found),
+        prior_(prior),
+        max_disparity_(static_cast<float>(params.max_disparity)),
+        margin_(params.match_margin > 0.0),
+        keep_(static_cast<float>(1.0 - params.match_margin)),
+        subpixel_(params.subpixel) {}
+
+  /// Pixels [u, u + lanes of the tag).
+  template <class D>
+  void finish(D floats, int u, float* disparity) const {
+    const auto at = static_cast<std::size_t>(u);
+    const hn::Rebind<std::int16_t, D> shorts;
+    const hn::Rebind<std::int32_t, D> ints;
+    const auto load = [&](const std::vector<std::int16_t>& row) {
+      return hn::ConvertTo(floats, hn::PromoteTo(ints, hn::LoadU(shorts, row.data() + at)));
+    };
+    const auto none = hn::Set(floats, static_cast<float>(kNoEnergy));
+    const auto energy = load(found_.energy);
+    const auto rival = load(found_.rival);
+    const auto whole = load(found_.disparity);
+    const auto wanted = hn::PromoteTo(ints, hn::LoadU(hn::Rebind<std::uint8_t, D>(), prior_.wanted.data() + at));
+    auto valid = hn::And(hn::Ne(energy, none), hn::RebindMask(floats, hn::Ne(wanted, hn::Zero(ints))));
+    if (margin_) {
+      const auto certain = hn::Lt(energy, hn::Mul(hn::Set(floats, keep_), rival));
+      valid = hn::And(valid, hn::Or(hn::Eq(rival, none), certain));
+    }
+    const auto result = subpixel_ ? refine(floats, u, whole) : whole;
+    hn::StoreU(hn::IfThenElse(valid, result, hn::Set(floats, kInvalidDisparity)), floats, disparity + u);
+  }
+
+ private:
+  /// Moves a disparity by up to half a pixel, to the tip of two lines of equal and opposite slope through the costs of it and
+  /// its neighbours: an L1 cost is such a wedge, not a parabola.
+  template <class D>
+  hn::Vec<D> refine(D floats, int u, hn::Vec<D> whole) const {
+    const hn::Rebind<std::int16_t, D> shorts;
+    const hn::Rebind<std::int32_t, D> ints;
+    const auto load = [&](const std::vector<std::int16_t>& row) {
+      return hn::ConvertTo(floats, hn::PromoteTo(ints, hn::LoadU(shorts, row.data() + u)));
+    };
+    const auto below = load(found_.cost_below);
+    const auto above = load(found_.cost_above);
+    const auto rise = hn::Sub(hn::Max(below, above), load(found_.cost));
+    const auto columns = hn::Iota(floats, static_cast<float>(u));
+    const auto room = from_left_ ? columns : hn::Sub(hn::Set(floats, static_cast<float>(width_ - 1)), columns);
+    const auto largest = hn::Min(room, hn::Set(floats, max_disparity_));
+    const auto inside = hn::And(hn::Ge(whole, hn::Set(floats, 1.0F)), hn::Lt(whole, largest));
+    const auto half = hn::Set(floats, 0.5F);
+    const auto shift = hn::Div(hn::Sub(below, above), hn::Add(rise, rise));
+    const auto moved = hn::Add(whole, hn::Max(hn::Neg(half), hn::Min(half, shift)));
+    return hn::IfThenElse(hn::And(inside, hn::Gt(rise, hn::Zero(floats))), moved, whole);
+  }
+
+  bool from_left_;
+  int width_;
+  const Found& found_;
+  const RowPrior& prior_;
+  float max_disparity_;
+  bool margin_;
+  float keep_;
+  bool subpixel_;
+};
 
 void match_row(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
                const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, float* disparity) {
@@ -302,16 +362,12 @@ void match_row(View view, const DescriptorImage& image, const DescriptorImage& o
       matcher.match(u, static_cast<std::size_t>(std::min(lanes, end - u)), grid.at(u, v), found);
     }
   }
-  const auto keep = static_cast<float>(1.0 - params.match_margin);
-  for (int u = 0; u < width; ++u) {
-    const auto at = static_cast<std::size_t>(u);
-    if (prior.wanted[at] == 0 || found.energy[at] == kNoEnergy) continue;
-    const bool ambiguous = params.match_margin > 0.0 && found.rival[at] != kNoEnergy &&
-                           static_cast<float>(found.energy[at]) >= keep * static_cast<float>(found.rival[at]);
-    if (ambiguous) continue;
-    const int largest = std::min(params.max_disparity, view == View::left ? u : width - 1 - u);
-    disparity[u] = params.subpixel ? refine(found, at, largest) : static_cast<float>(found.disparity[at]);
-  }
+  const RowFinisher finisher(view, width, found, prior, params);
+  const hn::ScalableTag<float> floats;
+  const auto step = static_cast<int>(hn::Lanes(floats));
+  int u = 0;
+  for (; u + step <= width; u += step) finisher.finish(floats, u, disparity);
+  for (; u < width; ++u) finisher.finish(hn::CappedTag<float, 1>(), u, disparity);
 }
 
 }  // namespace
