@@ -136,14 +136,26 @@ Detection Detector::process(const Frame& frame) {
     detection.elevation = compute_elevation(detection.disparity, ground, frame.camera);
     detection.times.ground = stage.lap_ms();
 
-    // III.C.3 Candidates: Type 1, then Type 2, for which there must be a picture
-    sort_out(select_below_ground(frame, detection.disparity, detection.elevation, ground, params_.candidates), detection);
-    detection.times.below_ground = stage.lap_ms();
-    sort_out(select_no_disparity(frame, detection.disparity, detection.elevation, ground, params_.candidates), detection);
+    // III.C.3 Candidates: Type 1 beside Type 2, for which there must be a picture
+    std::vector<Candidate> below_ground;
+    std::vector<Candidate> no_disparity;
+    tbb::parallel_invoke(
+        [&] {
+          Stopwatch type;
+          below_ground = select_below_ground(frame, detection.disparity, detection.elevation, ground, params_.candidates);
+          detection.times.below_ground = type.lap_ms();
+        },
+        [&] {
+          Stopwatch type;
+          no_disparity = select_no_disparity(frame, detection.disparity, detection.elevation, ground, params_.candidates);
+          detection.times.no_disparity = type.lap_ms();
+        });
+    sort_out(std::move(below_ground), detection);
+    sort_out(std::move(no_disparity), detection);
+    stage.lap_ms();
     // Our own: one hole, one obstacle
     detection.candidates = merge_parts(std::move(detection.candidates), detection.elevation, detection.ground.pose,
                                        frame.camera, params_.candidates);
-    detection.times.no_disparity = stage.lap_ms();
   } else {
     detection.times.ground = stage.lap_ms();
   }

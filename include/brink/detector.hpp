@@ -57,9 +57,9 @@ struct StageTimes {
   double disparity = 0.0;
   double ground = 0.0;  ///< with the elevation image
   double below_ground = 0.0;
-  double no_disparity = 0.0;
-  double ego_motion = 0.0;  ///< runs beside disparity
-  double tracking = 0.0;
+  double no_disparity = 0.0;  ///< runs beside below_ground
+  double ego_motion = 0.0;    ///< runs beside disparity
+  double tracking = 0.0;      ///< with the merging of parts
   double total = 0.0;
 };
 

@@ -7,15 +7,16 @@
 namespace brink {
 namespace {
 
-Region cut_out(const cv::Mat1i& labels, int label, const cv::Rect& tight, int area_px) {
+/// @param labels of the part of the picture that begins at `origin`, and so for `tight`.
+Region cut_out(const cv::Mat1i& labels, int label, const cv::Rect& tight, int area_px, cv::Point origin, cv::Size picture) {
   Region region;
-  region.box = {tight.x - 1, tight.y - 1, tight.width + 2, tight.height + 2};
+  region.box = cv::Rect(tight.x - 1, tight.y - 1, tight.width + 2, tight.height + 2) + origin;
   region.area_px = area_px;
   const cv::Mat1b inside(labels(tight) == label);
   cv::copyMakeBorder(inside, region.mask, 1, 1, 1, 1, cv::BORDER_CONSTANT | cv::BORDER_ISOLATED, cv::Scalar(0));
   cv::Mat1b dilated;
   cv::dilate(region.mask, dilated, cv::Mat(), cv::Point(-1, -1), 1, cv::BORDER_CONSTANT | cv::BORDER_ISOLATED, cv::Scalar(0));
-  const cv::Rect in_picture = region.box & cv::Rect(cv::Point(0, 0), labels.size());
+  const cv::Rect in_picture = region.box & cv::Rect(cv::Point(0, 0), picture);
   const cv::Rect in_cut = in_picture - region.box.tl();
   region.dilated = cv::Mat1b::zeros(dilated.size());
   dilated(in_cut).copyTo(region.dilated(in_cut));
@@ -32,17 +33,19 @@ int first_column(const Region& region) {
 
 std::vector<Region> find_regions(const cv::Mat1b& mask, int min_area_px) {
   if (mask.empty()) return {};
+  const cv::Rect part = cv::boundingRect(mask);
+  if (part.empty()) return {};
   cv::Mat1i labels;
   cv::Mat1i stats;
   cv::Mat1d centroids;
-  const int count = cv::connectedComponentsWithStats(mask, labels, stats, centroids, 8, CV_32S);
+  const int count = cv::connectedComponentsWithStats(mask(part), labels, stats, centroids, 8, CV_32S);
   std::vector<Region> regions;
   for (int label = 1; label < count; ++label) {
     const int area = stats(label, cv::CC_STAT_AREA);
     if (area < min_area_px) continue;
     const cv::Rect tight(stats(label, cv::CC_STAT_LEFT), stats(label, cv::CC_STAT_TOP), stats(label, cv::CC_STAT_WIDTH),
                          stats(label, cv::CC_STAT_HEIGHT));
-    regions.push_back(cut_out(labels, label, tight, area));
+    regions.push_back(cut_out(labels, label, tight, area, part.tl(), mask.size()));
   }
   // OpenCV numbers regions by blocks of pixels; ours is an order that a person can foretell.
   std::ranges::sort(regions, [](const Region& x, const Region& y) {

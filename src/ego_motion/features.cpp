@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdlib>
 #include <tuple>
 
 #include <opencv2/imgproc.hpp>
@@ -162,12 +161,6 @@ std::vector<Feature> find_features(const cv::Mat1b& picture, const EgoMotionPara
     features.push_back({position, extremum.kind, extremum.strength, describe(gradients, extremum.place)});
   }
   return features;
-}
-
-int compute_cost(const FeatureDescriptor& a, const FeatureDescriptor& b) {
-  int cost = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) cost += std::abs(int{a[i]} - int{b[i]});
-  return cost;
 }
 
 }  // namespace brink

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -30,6 +32,10 @@ struct Feature {
 std::vector<Feature> find_features(const cv::Mat1b& picture, const EgoMotionParams& params);
 
 /// Sum of absolute differences, 0 .. 32 * 255.
-int compute_cost(const FeatureDescriptor& a, const FeatureDescriptor& b);
+inline int compute_cost(const FeatureDescriptor& a, const FeatureDescriptor& b) {
+  int cost = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) cost += std::abs(int{a[i]} - int{b[i]});
+  return cost;
+}
 
 }  // namespace brink

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include <tbb/parallel_for.h>
@@ -50,11 +51,25 @@ std::optional<Prediction> predict(cv::Point2f left, cv::Point2f right, const Ste
 
 FeatureIndex::FeatureIndex(std::vector<Feature> features, cv::Size size)
     : features_(std::move(features)), columns_(size.width / kSquare + 1), rows_(size.height / kSquare + 1) {
-  for (auto& squares : squares_) squares.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
+  const auto square_of = [this](const Feature& feature) {
+    return static_cast<std::size_t>(row_of(feature.position.y) * columns_ + column_of(feature.position.x));
+  };
+  // Counted, then put in their places: those of a square stay in the features' order.
+  for (Squares& squares : squares_) squares.begins.assign(static_cast<std::size_t>(columns_ * rows_) + 1, 0);
+  for (const Feature& feature : features_) {
+    ++squares_[static_cast<std::size_t>(feature.kind)].begins[square_of(feature) + 1];
+  }
+  for (Squares& squares : squares_) {
+    std::partial_sum(squares.begins.begin(), squares.begins.end(), squares.begins.begin());
+    squares.entries.resize(static_cast<std::size_t>(squares.begins.back()));
+  }
+  std::array<std::vector<int>, kFeatureClasses> next;
+  for (std::size_t kind = 0; kind < kFeatureClasses; ++kind) next[kind] = squares_[kind].begins;
   for (int i = 0; i < this->size(); ++i) {
     const Feature& feature = (*this)[i];
-    const int square = row_of(feature.position.y) * columns_ + column_of(feature.position.x);
-    squares_[static_cast<std::size_t>(feature.kind)][static_cast<std::size_t>(square)].push_back(i);
+    const auto kind = static_cast<std::size_t>(feature.kind);
+    const int place = next[kind][square_of(feature)]++;
+    squares_[kind].entries[static_cast<std::size_t>(place)] = {feature.position, i, feature.descriptor};
   }
 }
 
@@ -70,22 +85,23 @@ std::optional<int> FeatureIndex::find(const Feature& feature, const SearchWindow
   int best = -1;
   int best_cost = std::numeric_limits<int>::max();
   int second_cost = std::numeric_limits<int>::max();
-  const auto& squares = squares_[static_cast<std::size_t>(feature.kind)];
+  const Squares& squares = squares_[static_cast<std::size_t>(feature.kind)];
+  const int first = column_of(window.least.x);
+  const int last = column_of(window.greatest.x);
   for (int row = row_of(window.least.y); row <= row_of(window.greatest.y); ++row) {
-    for (int column = column_of(window.least.x); column <= column_of(window.greatest.x); ++column) {
-      const int square = row * columns_ + column;
-      for (const int i : squares[static_cast<std::size_t>(square)]) {
-        const Feature& other = (*this)[i];
-        const bool inside = other.position.x >= window.least.x && other.position.x <= window.greatest.x &&
-                            other.position.y >= window.least.y && other.position.y <= window.greatest.y;
-        if (!inside) continue;
-        const int cost = compute_cost(feature.descriptor, other.descriptor);
-        if (cost < best_cost) {
-          second_cost = std::exchange(best_cost, cost);
-          best = i;
-        } else {
-          second_cost = std::min(second_cost, cost);
-        }
+    const int begin = squares.begins[static_cast<std::size_t>(row * columns_ + first)];
+    const int end = squares.begins[static_cast<std::size_t>(row * columns_ + last + 1)];
+    for (int k = begin; k < end; ++k) {
+      const Entry& other = squares.entries[static_cast<std::size_t>(k)];
+      const bool inside = other.position.x >= window.least.x && other.position.x <= window.greatest.x &&
+                          other.position.y >= window.least.y && other.position.y <= window.greatest.y;
+      if (!inside) continue;
+      const int cost = compute_cost(feature.descriptor, other.descriptor);
+      if (cost < best_cost) {
+        second_cost = std::exchange(best_cost, cost);
+        best = other.index;
+      } else {
+        second_cost = std::min(second_cost, cost);
       }
     }
   }

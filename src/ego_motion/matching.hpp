@@ -36,10 +36,21 @@ class FeatureIndex {
   [[nodiscard]] int column_of(float u) const;
   [[nodiscard]] int row_of(float v) const;
 
+  /// What a search looks at, square by square and row by row of squares, so that a row of a window lies in one piece.
+  struct Entry {
+    cv::Point2f position;
+    int index = 0;  ///< of the feature
+    FeatureDescriptor descriptor{};
+  };
+  struct Squares {
+    std::vector<Entry> entries;
+    std::vector<int> begins;  ///< of each square in the entries, and their end
+  };
+
   std::vector<Feature> features_;
   int columns_ = 1;
   int rows_ = 1;
-  std::array<std::vector<std::vector<int>>, kFeatureClasses> squares_;
+  std::array<Squares, kFeatureClasses> squares_;
 };
 
 /// Features of both pictures of a frame.
