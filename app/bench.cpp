@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
@@ -9,6 +10,7 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <opencv2/calib3d.hpp>
 #include <sys/resource.h>
 
 #include "common.hpp"
@@ -23,7 +25,7 @@ struct BenchOptions {
   InputOptions input;
   MethodOptions method;
   int threads = 0;
-  int repeat = 3;
+  int repeat = 7;
   int frames = 30;
   bool stills = false;
   bool json = false;
@@ -62,23 +64,47 @@ std::vector<Frame> decode(const Sequence& sequence, int most) {
   return frames;
 }
 
-std::vector<StageTimes> measure(const std::vector<Frame>& frames, const DetectorParams& params, int repeat) {
-  std::vector<StageTimes> times;
-  for (int round = 0; round < repeat; ++round) {
-    Detector detector(params);  // every round begins anew: time does not run backwards
-    for (const Frame& frame : frames) times.push_back(detector.process(frame).times);
-  }
-  return times;
+/// The yardstick Y: OpenCV's StereoSGBM on the same pair, one thread. Machines differ and are noisy, their ratios less.
+double measure_yardstick_ms(const Frame& frame) {
+  const auto matcher = cv::StereoSGBM::create(0, 128, 5, 200, 800, 1, 0, 10, 100, 32, cv::StereoSGBM::MODE_SGBM_3WAY);
+  const int threads = cv::getNumThreads();
+  cv::setNumThreads(1);
+  cv::Mat disparity;
+  const auto start = std::chrono::steady_clock::now();
+  matcher->compute(frame.left, frame.right, disparity);
+  const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
+  cv::setNumThreads(threads);
+  return taken.count();
 }
 
-Json summarise(const std::vector<StageTimes>& times) {
+struct Measurement {
+  std::vector<StageTimes> times;
+  std::vector<double> yardstick_ms;  ///< one of each round; none without both pictures
+};
+
+Measurement measure(const std::vector<Frame>& frames, const DetectorParams& params, int repeat) {
+  Measurement measurement;
+  for (int round = 0; round < repeat; ++round) {
+    const Frame& first = frames.front();
+    if (!first.left.empty() && !first.right.empty()) measurement.yardstick_ms.push_back(measure_yardstick_ms(first));
+    Detector detector(params);  // every round begins anew: time does not run backwards
+    for (const Frame& frame : frames) measurement.times.push_back(detector.process(frame).times);
+  }
+  return measurement;
+}
+
+Json summarise(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return {{"median", quantile(values, 0.5)}, {"p95", quantile(values, 0.95)}, {"max", values.back()}};
+}
+
+Json summarise_stages(const std::vector<StageTimes>& times) {
   Json stages;
   for (const auto& [name, member] : kStages) {
     std::vector<double> values;
     values.reserve(times.size());
     for (const StageTimes& one : times) values.push_back(one.*member);
-    std::sort(values.begin(), values.end());
-    stages[name] = {{"median", quantile(values, 0.5)}, {"p95", quantile(values, 0.95)}, {"max", values.back()}};
+    stages[name] = summarise(std::move(values));
   }
   return stages;
 }
@@ -88,9 +114,16 @@ std::string to_text(const Json& result) {
       "{} frames of {}x{} px, {} times, {}\n", result["frames"].get<int>(), result["width"].get<int>(),
       result["height"].get<int>(), result["repeat"].get<int>(),
       result["threads"].is_null() ? "all threads" : fmt::format("at most {} threads", result["threads"].get<int>()));
+  const double yardstick_ms = result["yardstick_ms"].is_null() ? 0.0 : result["yardstick_ms"]["median"].get<double>();
   for (const auto& [name, stage] : result["times_ms"].items()) {
-    text += fmt::format("{}: median {:.2f} ms, p95 {:.2f} ms, max {:.2f} ms\n", name, stage["median"].get<double>(),
-                        stage["p95"].get<double>(), stage["max"].get<double>());
+    const double median = stage["median"].get<double>();
+    text += fmt::format("{}: median {:.2f} ms{}, p95 {:.2f} ms, max {:.2f} ms\n", name, median,
+                        yardstick_ms > 0.0 ? fmt::format(" = {:.3f} Y", median / yardstick_ms) : "", stage["p95"].get<double>(),
+                        stage["max"].get<double>());
+  }
+  if (yardstick_ms > 0.0) {
+    text += fmt::format("Y = {:.1f} ms: StereoSGBM, 3 ways, 128 disparities, one thread, the first pair, once a round\n",
+                        yardstick_ms);
   }
   return text + fmt::format("frames per second: {:.2f}\npeak resident memory: {:.0f} MB\n", result["fps"].get<double>(),
                             result["peak_memory_mb"].get<double>());
@@ -107,7 +140,9 @@ int bench(const BenchOptions& options) {
                  {"height", frames.front().size().height},
                  {"repeat", options.repeat},
                  {"threads", options.threads > 0 ? Json(options.threads) : Json()}};
-  result["times_ms"] = summarise(measure(frames, params, options.repeat));
+  const Measurement measurement = measure(frames, params, options.repeat);
+  result["times_ms"] = summarise_stages(measurement.times);
+  result["yardstick_ms"] = measurement.yardstick_ms.empty() ? Json() : summarise(measurement.yardstick_ms);
   result["fps"] = 1000.0 / result["times_ms"]["total"]["median"].get<double>();
   result["peak_memory_mb"] = peak_memory_mb();
   print(options.json ? result.dump(2) + "\n" : to_text(result));
@@ -135,6 +170,7 @@ Run add_bench(CLI::App& command) {
   add_threads_option(command, options->threads);
   command.footer(
       "All pictures are decoded before the first measurement. Frames per second follow from the median of the total.\n"
+      "Y is the time of OpenCV's StereoSGBM in the same run: a yardstick for other machines.\n"
       "Examples:\n"
       "  brink bench walk/ --threads 1\n"
       "  brink bench left.png --right right.png --calib calib.txt --repeat 20 --json");

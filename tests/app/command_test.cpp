@@ -246,7 +246,9 @@ TEST(Bench, MeasuresEveryStage) {
   EXPECT_GE(json["times_ms"]["total"]["median"], json["times_ms"]["disparity"]["median"]);
   EXPECT_GT(json["fps"], 0.0);
   EXPECT_GT(json["peak_memory_mb"], 1.0);
-  EXPECT_NE(run_command("bench " + pair + " --repeat 1").output.find("disparity: median "), std::string::npos);
+  const std::string text = run_command("bench " + pair + " --repeat 1").output;
+  EXPECT_NE(text.find("disparity: median "), std::string::npos);
+  EXPECT_NE(text.find(" Y, p95 "), std::string::npos);
 }
 
 TEST(Help, IsThereForEveryCommandWithExamples) {
