@@ -37,7 +37,7 @@ struct CandidateParams {
   double min_slope_deg = 10.0;        ///< Type 1: a quarter of its rim must be steeper than a slope that people walk; 0 = any
   double max_share_beyond = 0.5;  ///< Type 1: at most this share of it may lie beyond its far rim, as mirrors show it; 1 = all
   double max_roughness = 2.2;     ///< Type 1: its disparities may scatter this many times as much as the ground's; 0 = any
-  double min_agreement = 0.2;     ///< Type 1: correlation that three quarters of its windows reach, at least; 0 = no test
+  double min_agreement = 0.1;     ///< Type 1: correlation that three quarters of its windows reach, at least; 0 = no test
   double min_ground_misfit = 0.08;    ///< Type 1: the ground must explain the pictures worse by this share; 0 = no test
   double max_share_standing = 0.5;    ///< Type 2: at most this share of its border may stand above the ground; 1 = no test
   int touching_gap_px = 12;           ///< pixels without disparity between a region and what it touches, at most
