@@ -182,8 +182,8 @@ class CellMatcher {
     const Bytes bytes;
     const std::size_t step = descriptors_per_vector();
     const std::uint8_t* here = image_[first].data();
-    const std::uint8_t* there = (other_ + first + direction_ * d)->data();
-    hn::Vec<Words> sums[8];
+    const std::uint8_t* there = other_[first + direction_ * d].data();
+    std::array<hn::Vec<Words>, 8> sums;
     for (std::size_t j = 0; j < 8; ++j) {
       if (j * step < count) {
         sums[j] = sum_differences(hn::LoadU(bytes, here + 16 * step * j), hn::LoadU(bytes, there + 16 * step * j));

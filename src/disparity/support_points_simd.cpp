@@ -85,7 +85,7 @@ void compute_costs(const Rows& rows, int u, const Rows& other, int first, std::s
   const std::uint8_t* lower = other.lower[first].data();
   constexpr int kArmBytes = 16 * kArm;
   for (std::size_t i = 0; i < count; i += 8 * step) {
-    hn::Vec<Words> sums[8];
+    std::array<hn::Vec<Words>, 8> sums;
     for (std::size_t j = 0; j < 8; ++j, upper += 16 * step, lower += 16 * step) {
       sums[j] = hn::Add(hn::Add(sum_differences(upper_left, hn::LoadU(bytes, upper - kArmBytes)),
                                 sum_differences(upper_right, hn::LoadU(bytes, upper + kArmBytes))),
@@ -140,7 +140,8 @@ int match_point(const DescriptorImage& image, const DescriptorImage& other, int 
   if (last - params.min_disparity < kMinRange) return kNoSupport;
   if (compute_texture(image.row(v)[u]) < params.support_texture) return kNoSupport;
 
-  const auto count = static_cast<std::size_t>(last - params.min_disparity + 1);
+  const int tried = last - params.min_disparity + 1;
+  const auto count = static_cast<std::size_t>(tried);
   const int first = direction < 0 ? u - last : u + params.min_disparity;
   compute_costs(rows_around(image, v), u, rows_around(other, v), first, count, costs);
   const std::uint16_t least = find_least(costs, count);

@@ -41,14 +41,15 @@ HWY_INLINE hn::Vec<Words> sum_differences(hn::Vec<Bytes> a, hn::Vec<Bytes> b) {
 
 /// Costs of as many pixels as a vector has 16-bit lanes, from the sums of eight vectors of consecutive descriptors, two sums of
 /// at most 16,383 a descriptor. Lane 8 k + j is pixel K j + k, where K = descriptors_per_vector().
-HWY_INLINE hn::Vec<Shorts> pack_sums(const hn::Vec<Words>* sums) {
-  const auto pack_four = [](const hn::Vec<Words>* four) {
-    return hn::Or(hn::Or(four[0], hn::ShiftLeft<16>(four[1])), hn::Or(hn::ShiftLeft<32>(four[2]), hn::ShiftLeft<48>(four[3])));
+HWY_INLINE hn::Vec<Shorts> pack_sums(const std::array<hn::Vec<Words>, 8>& sums) {
+  const auto pack_four = [&sums](std::size_t first) {
+    return hn::Or(hn::Or(sums[first], hn::ShiftLeft<16>(sums[first + 1])),
+                  hn::Or(hn::ShiftLeft<32>(sums[first + 2]), hn::ShiftLeft<48>(sums[first + 3])));
   };
   const Words words;
   const Shorts shorts;
-  const auto first = pack_four(sums);
-  const auto second = pack_four(sums + 4);
+  const auto first = pack_four(0);
+  const auto second = pack_four(4);
   return hn::Add(hn::BitCast(shorts, hn::InterleaveLower(words, first, second)),
                  hn::BitCast(shorts, hn::InterleaveUpper(words, first, second)));
 }
