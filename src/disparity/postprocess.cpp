@@ -202,9 +202,9 @@ cv::Mat1f filter_adaptive_mean(const cv::Mat1f& disparity) {
   const cv::Size size = disparity.size();
   cv::Mat1f along_rows(size);
   tbb::parallel_for(0, size.height, [&](int v) {
-    std::vector<float> padded(static_cast<std::size_t>(size.width) + 2 * kReach, kInvalidDisparity);
-    std::copy_n(disparity[v], size.width, padded.begin() + kReach);
     std::array<const float*, 2 * kReach + 1> around{};
+    std::vector<float> padded(static_cast<std::size_t>(size.width) + around.size(), kInvalidDisparity);
+    std::copy_n(disparity[v], size.width, padded.begin() + kReach);
     for (std::size_t k = 0; k < around.size(); ++k) around[k] = padded.data() + k;
     filter_mean_line(around, size.width, along_rows[v]);
   });
@@ -212,9 +212,9 @@ cv::Mat1f filter_adaptive_mean(const cv::Mat1f& disparity) {
   cv::Mat1f result(size);
   tbb::parallel_for(0, size.height, [&](int v) {
     std::array<const float*, 2 * kReach + 1> around{};
-    for (int k = -kReach; k <= kReach; ++k) {
-      const bool inside = v + k >= 0 && v + k < size.height;
-      around[static_cast<std::size_t>(k + kReach)] = inside ? along_rows[v + k] : outside.data();
+    for (std::size_t k = 0; k < around.size(); ++k) {
+      const int row = v - kReach + static_cast<int>(k);
+      around[k] = row >= 0 && row < size.height ? along_rows[row] : outside.data();
     }
     filter_mean_line(around, size.width, result[v]);
   });

@@ -52,7 +52,8 @@ std::optional<Prediction> predict(cv::Point2f left, cv::Point2f right, const Ste
 FeatureIndex::FeatureIndex(std::vector<Feature> features, cv::Size size)
     : features_(std::move(features)), columns_(size.width / kSquare + 1), rows_(size.height / kSquare + 1) {
   const auto square_of = [this](const Feature& feature) {
-    return static_cast<std::size_t>(row_of(feature.position.y) * columns_ + column_of(feature.position.x));
+    const int square = row_of(feature.position.y) * columns_ + column_of(feature.position.x);
+    return static_cast<std::size_t>(square);
   };
   // Counted, then put in their places: those of a square stay in the features' order.
   for (Squares& squares : squares_) squares.begins.assign(static_cast<std::size_t>(columns_ * rows_) + 1, 0);
@@ -86,12 +87,15 @@ std::optional<int> FeatureIndex::find(const Feature& feature, const SearchWindow
   int best_cost = std::numeric_limits<int>::max();
   int second_cost = std::numeric_limits<int>::max();
   const Squares& squares = squares_[static_cast<std::size_t>(feature.kind)];
+  const auto begin_of = [&](int row, int column) {
+    const int square = row * columns_ + column;
+    return squares.begins[static_cast<std::size_t>(square)];
+  };
   const int first = column_of(window.least.x);
   const int last = column_of(window.greatest.x);
   for (int row = row_of(window.least.y); row <= row_of(window.greatest.y); ++row) {
-    const int begin = squares.begins[static_cast<std::size_t>(row * columns_ + first)];
-    const int end = squares.begins[static_cast<std::size_t>(row * columns_ + last + 1)];
-    for (int k = begin; k < end; ++k) {
+    const int end = begin_of(row, last + 1);
+    for (int k = begin_of(row, first); k < end; ++k) {
       const Entry& other = squares.entries[static_cast<std::size_t>(k)];
       const bool inside = other.position.x >= window.least.x && other.position.x <= window.greatest.x &&
                           other.position.y >= window.least.y && other.position.y <= window.greatest.y;

@@ -83,9 +83,9 @@ std::optional<Hypothesis> search_line(const std::vector<DisparitySample>& sample
 std::vector<Hypothesis> search_lines(const std::vector<DisparitySample>& samples, const cv::Size& size, double cx,
                                      const Plausibility& plausible, const GroundParams& params) {
   const int steps = static_cast<int>(std::ceil(params.max_roll_deg / kRollStepDeg));
-  std::vector<std::optional<Hypothesis>> lines(static_cast<std::size_t>(2 * steps + 1));
-  tbb::parallel_for(-steps, steps + 1, [&](int i) {
-    lines[static_cast<std::size_t>(i + steps)] = search_line(samples, i * kRollStepDeg, size, cx, plausible, params);
+  std::vector<std::optional<Hypothesis>> lines(2 * static_cast<std::size_t>(steps) + 1);
+  tbb::parallel_for(std::size_t{0}, lines.size(), [&](std::size_t i) {
+    lines[i] = search_line(samples, (static_cast<int>(i) - steps) * kRollStepDeg, size, cx, plausible, params);
   });
   std::vector<Hypothesis> found;
   for (const std::optional<Hypothesis>& line : lines) {
