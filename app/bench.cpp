@@ -10,11 +10,11 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <opencv2/calib3d.hpp>
 #include <sys/resource.h>
 
 #include "common.hpp"
 #include "input.hpp"
+#include "yardstick.hpp"
 
 namespace brink::app {
 namespace {
@@ -64,17 +64,11 @@ std::vector<Frame> decode(const Sequence& sequence, int most) {
   return frames;
 }
 
-/// The yardstick Y: OpenCV's StereoSGBM on the same pair, one thread. Machines differ and are noisy, their ratios less.
+/// Machines differ and are noisy, the ratios of two times on one less.
 double measure_yardstick_ms(const Frame& frame) {
-  const auto matcher = cv::StereoSGBM::create(0, 128, 5, 200, 800, 1, 0, 10, 100, 32, cv::StereoSGBM::MODE_SGBM_3WAY);
-  const int threads = cv::getNumThreads();
-  cv::setNumThreads(1);
-  cv::Mat disparity;
   const auto start = std::chrono::steady_clock::now();
-  matcher->compute(frame.left, frame.right, disparity);
-  const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
-  cv::setNumThreads(threads);
-  return taken.count();
+  run_yardstick(frame.left, frame.right);
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 struct Measurement {

@@ -2,7 +2,6 @@
 #include <vector>
 
 #include <benchmark/benchmark.h>
-#include <opencv2/calib3d.hpp>
 
 #include "brink/disparity.hpp"
 #include "disparity/consistency.hpp"
@@ -12,6 +11,7 @@
 #include "disparity/postprocess.hpp"
 #include "disparity/support_points.hpp"
 #include "pair.hpp"
+#include "yardstick.hpp"
 
 // Time of each matcher on one pair, 0 to 255 px, and of each step of ELAS, 0 to 127 px, beside the yardstick of BENCHMARKS.md.
 // BRINK_BENCHMARK_PAIR names the folder of a sequence; a synthetic wall of 1280x720 otherwise.
@@ -48,15 +48,9 @@ BENCHMARK_CAPTURE(match_with, sgbm_wls, brink::Matcher::sgbm_wls)->Unit(benchmar
 
 constexpr int kMostDisparity = 127;
 
-/// Y: OpenCV's StereoSGBM, MODE_SGBM_3WAY, 128 disparities, one thread.
 void yardstick(benchmark::State& state) {
   const Pair pair = read_pair();
-  const auto matcher = cv::StereoSGBM::create(0, 128, 5, 200, 800, 1, 0, 10, 100, 32, cv::StereoSGBM::MODE_SGBM_3WAY);
-  const int threads = cv::getNumThreads();
-  cv::setNumThreads(1);
-  cv::Mat disparity;
-  while (state.KeepRunning()) matcher->compute(pair.left, pair.right, disparity);
-  cv::setNumThreads(threads);
+  while (state.KeepRunning()) brink::run_yardstick(pair.left, pair.right);
 }
 BENCHMARK(yardstick)->Unit(benchmark::kMillisecond)->UseRealTime();
 

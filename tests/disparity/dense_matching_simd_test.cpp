@@ -60,10 +60,7 @@ TEST(DenseMatchingSimd, EqualsItsTwinWhereEnergiesAreEqual) {
   ElasParams params;
   params.match_texture = 0;
   params.match_margin = 0.0;
-  SyntheticPair pair = make_wall({203, 91}, 9);
-  pair.left = (pair.left / 64) * 64;
-  pair.right = (pair.right / 64) * 64;
-  expect_equal_to_twin(pair, params);
+  expect_equal_to_twin(coarsen(make_wall({203, 91}, 9)), params);
 }
 
 }  // namespace

@@ -45,10 +45,7 @@ TEST(SupportPointsSimd, EqualsItsTwinWhereCostsAreEqual) {
   ElasParams params;
   params.support_threshold = 1.0;
   params.support_exclusion_px = 3;
-  SyntheticPair pair = make_wall({203, 91}, 9);
-  pair.left = (pair.left / 64) * 64;
-  pair.right = (pair.right / 64) * 64;
-  expect_equal_to_twin(pair, params);
+  expect_equal_to_twin(coarsen(make_wall({203, 91}, 9)), params);
   const cv::Mat1b noise = make_texture({203, 91}, 5);
   expect_equal_to_twin({noise, make_texture({203, 91}, 6)}, params);
 }

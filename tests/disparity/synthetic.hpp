@@ -28,6 +28,13 @@ inline SyntheticPair make_wall(cv::Size size, int disparity, std::uint64_t seed 
   return {wide.colRange(0, size.width).clone(), wide.colRange(disparity, size.width + disparity).clone()};
 }
 
+/// The pair in few grey levels: many costs are equal.
+inline SyntheticPair coarsen(SyntheticPair pair) {
+  pair.left = (pair.left / 64) * 64;
+  pair.right = (pair.right / 64) * 64;
+  return pair;
+}
+
 /// A wall that stands halfway between two whole disparities: drawn at 4 times the width and averaged.
 inline SyntheticPair make_fractional_wall(cv::Size size, int quarters, std::uint64_t seed = 1) {
   cv::Mat1b wide;
