@@ -54,6 +54,7 @@ DetectorParams DetectorParams::paper() {
   params.candidates = CandidateParams::paper();
   params.tracking = TrackingParams::paper();
   params.report_slack_m = 0.0;
+  params.path_width_m = 0.0;
   return params;
 }
 
@@ -63,6 +64,9 @@ void DetectorParams::validate() const {
   candidates.validate();
   ego_motion.validate();
   tracking.validate();
+  if (!(path_width_m >= 0.0 && path_width_m <= 100.0)) {
+    throw std::invalid_argument(fmt::format("detector.path_width_m = {}, must be 0 to 100", path_width_m));
+  }
   if (!(report_range_m > 0.0 && report_range_m <= 1000.0)) {
     throw std::invalid_argument(fmt::format("detector.report_range_m = {}, must be above 0 to 1000", report_range_m));
   }
@@ -169,8 +173,6 @@ Detection Detector::process(const Frame& frame) {
 }
 
 Detection Detector::process_failed(int frame, double time, FrameStatus status, const std::string& reason) {
-  last_world_from_camera_.reset();
-  last_ground_.reset();
   if (!params_.stills) tracker_.miss(time);
   return make_failed_detection(frame, time, status, reason);
 }
@@ -216,7 +218,8 @@ void Detector::report(const Frame& frame, Detection& detection) {
                                       .candidate = candidate,
                                       .track_length = 1,
                                       .unseen_s = 0.0,
-                                      .probability = compute_still_probability(candidate)};
+                                      .probability = compute_still_probability(candidate),
+                                      .time_to_edge_s = std::nullopt};
       const bool likely = obstacle.probability.value_or(1.0) >= kLikelyAtOnce;
       (likely && candidate.distance_m <= params_.report_range_m ? detection.obstacles : detection.tracks).push_back(obstacle);
     }
@@ -230,13 +233,20 @@ void Detector::report(const Frame& frame, Detection& detection) {
     const cv::Mat1b level((detection.elevation > -level_m) & (detection.elevation < level_m));
     view = FrameView{.camera = frame.camera, .ground = detection.ground.pose, .level = level};
   }
+  walk_.update(current_from_previous, frame.time);
+  const auto time_to_edge = [&](const Candidate& candidate) -> std::optional<double> {
+    const std::optional<Eigen::Vector3d> velocity = walk_.velocity();
+    if (params_.path_width_m <= 0.0 || !velocity || !view) return std::nullopt;
+    return compute_time_to_edge(candidate.rim, *velocity, view->ground, params_.path_width_m);
+  };
   std::set<int> reported;
   for (const Track& track : tracker_.update(detection.candidates, current_from_previous, frame.time, view)) {
     const NegativeObstacle obstacle{.id = track.id,
                                     .candidate = track.candidate,
                                     .track_length = track.length,
                                     .unseen_s = track.unseen_s,
-                                    .probability = track.probability};
+                                    .probability = track.probability,
+                                    .time_to_edge_s = time_to_edge(track.candidate)};
     const double range_m = params_.report_range_m + (reported_.contains(track.id) ? params_.report_slack_m : 0.0);
     if (track.validated && track.candidate.distance_m <= range_m) {
       reported.insert(track.id);

@@ -160,9 +160,9 @@ TEST(Detector, DoesNotFollowWhatContradictsTheMotion) {
   }
 }
 
-TEST(Detector, StartsAnewAfterAFrameThatFailed) {
+TEST(Detector, StartsAnewAfterAFrameThatFailedByThePapersRules) {
   const Frame frame = make_hole_frame();
-  Detector detector;
+  Detector detector(DetectorParams::paper());
   for (int i = 0; i < 5; ++i) (void)detector.process(at_pose(frame, i, kRest));
   const Detection failed = detector.process_failed(5, 5 / 15.0, FrameStatus::bad_frame, "x.png: is damaged");
   EXPECT_TRUE(failed.obstacles.empty());
@@ -170,6 +170,17 @@ TEST(Detector, StartsAnewAfterAFrameThatFailed) {
   const Detection next = detector.process(at_pose(frame, 6, kRest));
   ASSERT_EQ(next.tracks.size(), 1U);
   EXPECT_EQ(next.tracks[0].track_length, 1);
+}
+
+TEST(Detector, GoesOnAfterAFrameThatFailed) {
+  const Frame frame = make_hole_frame();
+  Detector detector;
+  for (int i = 0; i < 5; ++i) (void)detector.process(at_pose(frame, i, kRest));
+  EXPECT_TRUE(detector.process_failed(5, 5 / 15.0, FrameStatus::bad_frame, "x.png: is damaged").obstacles.empty());
+  const Detection next = detector.process(at_pose(frame, 6, kRest));
+  ASSERT_EQ(next.obstacles.size(), 1U);
+  EXPECT_EQ(next.obstacles[0].id, 1);
+  EXPECT_EQ(next.obstacles[0].track_length, 6);
 }
 
 TEST(Detector, RefusesFramesOutOfOrder) {
@@ -255,8 +266,29 @@ TEST(Detector, FollowsAlongTheGroundWithoutPictures) {
   }
 }
 
-TEST(Detector, EndsTracksWhereGroundsCannotBeAligned) {
+/// Frames 0 to 2 show a hole, so many from 3 on no ground, the next one the hole again.
+Detection look_away(Detector& detector, int blind_frames) {
+  for (int i = 0; i < 3; ++i) (void)detector.process(depth_frame(hole_disparity(), i));
+  const cv::Mat1f nothing(test::half_size(), kInvalidDisparity);
+  for (int i = 0; i < blind_frames; ++i) (void)detector.process(depth_frame(nothing, 3 + i));
+  return detector.process(depth_frame(hole_disparity(), 3 + blind_frames));
+}
+
+TEST(Detector, GoesOnForAMomentWhereGroundsCannotBeAligned) {
   Detector detector;
+  const Detection after = look_away(detector, 1);
+  EXPECT_EQ(after.ego_motion_state, EgoMotionState::failed);
+  ASSERT_EQ(after.obstacles.size(), 1U);
+  EXPECT_EQ(after.obstacles[0].track_length, 4);
+  EXPECT_FALSE(after.obstacles[0].time_to_edge_s) << "the walk is not known";
+  Detector other;
+  const Detection late = look_away(other, 4);
+  ASSERT_EQ(late.tracks.size(), 1U);
+  EXPECT_EQ(late.tracks[0].track_length, 1);
+}
+
+TEST(Detector, EndsTracksWhereGroundsCannotBeAlignedByThePapersRules) {
+  Detector detector(DetectorParams::paper());
   for (int i = 0; i < 3; ++i) (void)detector.process(depth_frame(hole_disparity(), i));
   const Detection blind = detector.process(depth_frame(cv::Mat1f(test::half_size(), kInvalidDisparity), 3));
   EXPECT_EQ(blind.status, FrameStatus::ok);
@@ -268,9 +300,25 @@ TEST(Detector, EndsTracksWhereGroundsCannotBeAligned) {
   EXPECT_EQ(after.ego_motion_state, EgoMotionState::failed);
   ASSERT_EQ(after.tracks.size(), 1U);
   EXPECT_EQ(after.tracks[0].track_length, 1);
+}
 
-  (void)detector.process_failed(5, 5 / 15.0, FrameStatus::bad_frame, "x.png: is damaged");
-  EXPECT_EQ(detector.process(depth_frame(hole_disparity(), 6)).ego_motion_state, EgoMotionState::failed);
+TEST(Detector, TellsTheTimeToAnEdgeThatIsWalkedTo) {
+  for (const double path_width_m : {0.6, 0.0}) {
+    DetectorParams params;
+    params.path_width_m = path_width_m;
+    Detector detector(params);
+    Detection detection;
+    for (int i = 0; i < 12; ++i) {
+      const double walked_m = 0.08 * i;  // 1.2 m/s, the camera looking 30 degrees down
+      const Eigen::Vector3d ahead(0.0, -0.5, std::sqrt(0.75));
+      const Frame frame = depth_frame(hole_disparity(1.6, 30.0, 3.0 - walked_m), i);
+      detection = detector.process(at_pose(frame, i, Eigen::Isometry3d(Eigen::Translation3d(walked_m * ahead))));
+    }
+    ASSERT_EQ(detection.obstacles.size(), 1U);
+    ASSERT_EQ(detection.obstacles[0].time_to_edge_s.has_value(), path_width_m > 0.0);
+    const double expected_s = (3.0 - 11 * 0.08) / 1.2;
+    EXPECT_NEAR(detection.obstacles[0].time_to_edge_s.value_or(expected_s), expected_s, 0.05);
+  }
 }
 
 TEST(Detector, GivenPosesComeBeforeAlignedGrounds) {

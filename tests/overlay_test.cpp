@@ -109,7 +109,7 @@ TEST(DrawCandidates, MarksTypesByColour) {
 
 TEST(DrawObstacles, FillsThemAndWritesTheDistanceBeside) {
   Detection detection = seen_ground();
-  detection.obstacles = {{1, square(100, 100, 40), 1, 0.0, {}}};
+  detection.obstacles = {{1, square(100, 100, 40), 1, 0.0, {}, {}}};
   const cv::Mat3b picture = draw_obstacles(plain_frame(), detection);
   EXPECT_TRUE(is_red(picture(120, 120)));
   EXPECT_TRUE(touched(picture, {145, 100, 60, 40}));
@@ -118,7 +118,7 @@ TEST(DrawObstacles, FillsThemAndWritesTheDistanceBeside) {
 
 TEST(DrawObstacles, KeepsTheDistanceInsideThePicture) {
   Detection detection = seen_ground();
-  detection.obstacles = {{1, square(275, 195, 40), 1, 0.0, {}}};
+  detection.obstacles = {{1, square(275, 195, 40), 1, 0.0, {}, {}}};
   EXPECT_TRUE(touched(draw_obstacles(plain_frame(), detection), {215, 195, 55, 40}));
 }
 
@@ -126,7 +126,7 @@ TEST(Overlays, LeaveTheFrameAlone) {
   Frame frame = plain_frame();
   frame.left_color = cv::Mat3b(frame.left.size(), kPlain);
   Detection detection = seen_ground();
-  detection.obstacles = {{1, square(100, 100, 40), 1, 0.0, {}}};
+  detection.obstacles = {{1, square(100, 100, 40), 1, 0.0, {}, {}}};
   (void)draw_obstacles(frame, detection);
   EXPECT_FALSE(touched(frame.left_color, {0, 0, 320, 240}));
 }
@@ -146,7 +146,7 @@ TEST(Overlays, DrawOnDisparitiesWhereThereIsNoPicture) {
   disparity(200, 20) = kInvalidDisparity;
   const Frame frame = make_frame_with_disparity({}, disparity, {300.0, 160.0, 120.0, 0.15});
   Detection detection = seen_ground();
-  detection.obstacles = {{1, square(100, 100, 40), 1, 0.0, {}}};
+  detection.obstacles = {{1, square(100, 100, 40), 1, 0.0, {}, {}}};
   const cv::Mat3b picture = draw_obstacles(frame, detection);
   ASSERT_EQ(picture.size(), cv::Size(320, 240));
   EXPECT_EQ(picture(200, 10), cv::Vec3b(255, 255, 255));
@@ -174,7 +174,7 @@ TEST(Overlays, DrawTheSmallestPictures) {
   Frame frame = plain_frame();
   frame.left = cv::Mat1b(32, 32, uchar{0});
   Detection detection = seen_ground();
-  detection.obstacles = {{1, square(1, 1, 30), 1, 0.0, {}}};
+  detection.obstacles = {{1, square(1, 1, 30), 1, 0.0, {}, {}}};
   EXPECT_EQ(draw_obstacles(frame, detection).size(), cv::Size(32, 32));
   EXPECT_EQ(draw_ground(frame, detection).size(), cv::Size(32, 32));
 }

@@ -15,6 +15,7 @@
 #include "brink/frame.hpp"
 #include "brink/ground.hpp"
 #include "brink/tracking.hpp"
+#include "brink/walking.hpp"
 
 namespace brink {
 
@@ -27,6 +28,7 @@ struct DetectorParams {
   TrackingParams tracking;
   double report_range_m = 5.0;  ///< obstacles are reported up to this distance of their rim in the ground plane
   double report_slack_m = 0.5;  ///< ... and, once they were, up to this much farther: no flicker at the limit
+  double path_width_m = 0.6;    ///< time to edge: the strip of ground that a bearer walks on; 0 = it is not told
   bool stills = false;          ///< the frames are unrelated: what is in range and more likely there than not is an obstacle at
                                 ///< once, track_length 1;
                                 ///< no ego-motion, no tracking
@@ -50,6 +52,7 @@ struct NegativeObstacle {
   int track_length = 1;               ///< sightings in a row
   double unseen_s = 0.0;              ///< since the last sighting; > 0: it is remembered, not seen in this frame
   std::optional<double> probability;  ///< that it is there, 0..1; empty when it is not known
+  std::optional<double> time_to_edge_s;  ///< compute_time_to_edge; empty, too, where motion or ground is not known
 };
 
 /// Wall-clock time of each stage, ms.
@@ -121,6 +124,7 @@ class Detector {
   std::unique_ptr<StereoMatcher> matcher_;
   EgoMotionEstimator ego_motion_;
   Tracker tracker_;
+  WalkEstimator walk_;
   std::optional<Eigen::Isometry3d> last_world_from_camera_;  // given with the last frame
   std::optional<GroundPose> last_ground_;                    // of the last frame; empty when it was not visible
   std::set<int> reported_;                                   // ids of the last frame's obstacles

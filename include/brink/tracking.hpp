@@ -18,6 +18,8 @@ struct TrackingParams {
   double max_unseen_s = 0.2;      ///< a track that is not seen lives on for this long; 0 = it ends with the first frame
   double max_coast_s = 1.0;       ///< a validated one is told so long unseen, no longer than it was seen, while nothing
                                   ///< contradicts it; 0 = never
+  double max_blind_s = 0.2;       ///< so long may frames fail, or the camera's motion be unknown, before all tracks end; 0 = at
+                                  ///< once. An unknown motion is meanwhile taken to go on as it was
   double validation_s = 0.2;      ///< a candidate is validated when it was seen for this long, 3 frames at 15 fps,
   int min_sightings = 3;          ///< ... but never before it was seen so often,
   double min_probability = 0.7;   ///< ... and not unless this is its probability; 0 = whatever it is, and none is told
@@ -68,8 +70,9 @@ class Tracker {
   /// go on with one, as regions split: the nearest keeps its id. After them come validated tracks that were not seen but whose
   /// opening is in view (`coasting`), unless the ground is seen where they should be, or a seen one has taken their place.
   /// @param candidates of this frame, positions in its left camera frame, m; empty = nothing was found.
-  /// @param current_from_previous left camera frames of the last call and of this one; empty when the motion is not known: then
-  ///        all tracks end, and every candidate begins anew.
+  /// @param current_from_previous left camera frames of the last call and of this one; empty when the motion is not known: the
+  ///        last known one is then taken to go on, in proportion to the time, for max_blind_s; then all tracks end, and every
+  ///        candidate begins anew.
   /// @param time s. The frame rate follows from the times of the last calls: at f frames per second max(min_sightings,
   ///        round(f validation_s)) sightings validate, if its probability does.
   /// @param view empty = the ground was not visible: nothing coasts in this frame.
@@ -78,7 +81,8 @@ class Tracker {
                             const std::optional<Eigen::Isometry3d>& current_from_previous, double time,
                             const std::optional<FrameView>& view = std::nullopt);
 
-  /// A frame that could not be processed, so that the motion over it is not known either: all tracks end.
+  /// A frame that could not be processed. The next motion must be that since the last one that was; after more than max_blind_s
+  /// all tracks end.
   /// @throws std::invalid_argument as update does.
   void miss(double time);
 
@@ -90,8 +94,16 @@ class Tracker {
     double seen = 0.0;                     ///< s, last time
   };
 
+  /// The camera's motion over some time.
+  struct Step {
+    Eigen::Isometry3d current_from_previous;
+    double duration_s = 0.0;
+    double end = 0.0;  ///< s
+  };
+
   struct Link;
   void note_time(double time);
+  std::optional<Eigen::Isometry3d> find_motion(const std::optional<Eigen::Isometry3d>& measured, double time);
   [[nodiscard]] std::optional<Link> find_nearest(const Candidate& candidate) const;
   void coast(const std::map<std::size_t, std::size_t>& heirs, double time, const std::optional<FrameView>& view,
              std::vector<Track>& tracks, std::vector<Memory>& memories) const;
@@ -101,7 +113,9 @@ class Tracker {
 
   TrackingParams params_;
   std::vector<Memory> memories_;
-  std::vector<double> steps_;  // s, between the last calls
+  std::optional<Step> last_step_;  // that was measured
+  std::optional<double> placed_;   // s, the frame in which the memories' places are told: that of the last update
+  std::vector<double> steps_;      // s, between the last calls
   std::optional<double> time_;
   int last_id_ = 0;
 };

@@ -95,6 +95,7 @@ Json obstacle(const NegativeObstacle& obstacle) {
     json["types"] = types;
   }
   if (obstacle.unseen_s > 0.0) json["unseen_s"] = rounded(obstacle.unseen_s, kTimeDigits);
+  if (obstacle.time_to_edge_s) json["time_to_edge_s"] = rounded(*obstacle.time_to_edge_s, kTimeDigits);
   if (obstacle.probability) json["probability"] = rounded(*obstacle.probability, kShareDigits);
   return json;
 }

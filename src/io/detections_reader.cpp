@@ -173,6 +173,7 @@ NegativeObstacle read_obstacle(const Node& node) {
   obstacle.id = read_count(node, "id");
   obstacle.track_length = read_count(node, "track_length");
   if (node.object.contains("unseen_s")) obstacle.unseen_s = read_number(node, "unseen_s");
+  if (node.object.contains("time_to_edge_s")) obstacle.time_to_edge_s = read_number(node, "time_to_edge_s");
   obstacle.probability = read_probability(node);
   Candidate& candidate = obstacle.candidate;
   candidate.type = read_choice(node, "type", kTypes);

@@ -198,6 +198,8 @@ std::vector<ParameterEntry> tracking_table(TrackingParams& p) {
       {"tracking.max_unseen_s", &p.max_unseen_s, "s", "a track that is not seen lives on for this long"},
       {"tracking.max_coast_s", &p.max_coast_s, "s",
        "a validated track is told for this long unseen, while nothing contradicts it; 0 = never"},
+      {"tracking.max_blind_s", &p.max_blind_s, "s",
+       "so long may frames fail, or the camera's motion be unknown, before all tracks end"},
       {"tracking.validation_s", &p.validation_s, "s", "a candidate is validated when it was seen in a row for this long"},
       {"tracking.min_probability", &p.min_probability, "",
        "a candidate is not validated below this probability; 0 = whatever it is, and none is told"},
@@ -212,6 +214,8 @@ std::vector<ParameterEntry> parameter_table(DetectorParams& params) {
       {"disparity.matcher", &params.disparity.matcher, "", "elas, bm, sgbm or sgbm-wls"},
       {"detector.report_range_m", &params.report_range_m, "m", "obstacles are reported up to this distance of their rim"},
       {"detector.report_slack_m", &params.report_slack_m, "m", "... and, once they were, up to this much farther"},
+      {"detector.path_width_m", &params.path_width_m, "m",
+       "time to edge: the strip of ground that a bearer walks on; 0 = it is not told"},
       {"detector.stills", &params.stills, "", "unrelated pictures: every candidate in range is an obstacle at once"},
   };
   append(table, elas_table(params.disparity.elas));

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -28,6 +29,16 @@ constexpr double kLeastArea = 50.0;        // px of an opening in view
 
 void move(std::vector<Eigen::Vector3d>& points, const Eigen::Isometry3d& to_from) {
   for (Eigen::Vector3d& point : points) point = to_from * point;
+}
+
+/// A motion that goes on for another time than it was measured over, with the same velocity.
+Eigen::Isometry3d scale(const Eigen::Isometry3d& motion, double factor) {
+  Eigen::AngleAxisd rotation(motion.linear());
+  rotation.angle() *= factor;
+  Eigen::Isometry3d scaled = Eigen::Isometry3d::Identity();
+  scaled.linear() = rotation.toRotationMatrix();
+  scaled.translation() = factor * motion.translation();
+  return scaled;
 }
 
 void move(Candidate& candidate, const Eigen::Isometry3d& to_from) {
@@ -102,6 +113,7 @@ TrackingParams TrackingParams::paper() {
   params.associate_rims = false;
   params.max_unseen_s = 0.0;
   params.max_coast_s = 0.0;
+  params.max_blind_s = 0.0;
   params.validation_s = 1.0 / 3.0;
   params.min_probability = 0.0;
   return params;
@@ -115,6 +127,7 @@ void TrackingParams::validate() const {
   check("association_radius_m", association_radius_m, 0.0, 100.0);
   check("max_unseen_s", max_unseen_s, 0.0, 60.0);
   check("max_coast_s", max_coast_s, 0.0, 60.0);
+  check("max_blind_s", max_blind_s, 0.0, 60.0);
   check("validation_s", validation_s, 0.0, 60.0);
   check("min_sightings", min_sightings, 1, 1000);
   check("min_probability", min_probability, 0.0, 1.0);
@@ -132,10 +145,11 @@ std::vector<Track> Tracker::update(const std::vector<Candidate>& candidates,
                                    const std::optional<Eigen::Isometry3d>& current_from_previous, double time,
                                    const std::optional<FrameView>& view) {
   note_time(time);
-  if (!current_from_previous) memories_.clear();
+  const std::optional<Eigen::Isometry3d> motion = find_motion(current_from_previous, time);
+  if (!motion) memories_.clear();
   for (Memory& memory : memories_) {
-    move(memory.track.candidate, *current_from_previous);
-    move(memory.opening, *current_from_previous);
+    move(memory.track.candidate, *motion);
+    move(memory.opening, *motion);
   }
 
   // Each candidate goes on with a memory; of several that go on with one the nearest keeps its id.
@@ -224,7 +238,22 @@ void Tracker::coast(const std::map<std::size_t, std::size_t>& heirs, double time
 
 void Tracker::miss(double time) {
   note_time(time);
-  memories_.clear();
+  if (placed_ && time - *placed_ > params_.max_blind_s + kTolerance) memories_.clear();
+}
+
+// The motion since the last update: measured, or for a short while the last one going on. The first frame of all has none, and
+// nothing to move.
+std::optional<Eigen::Isometry3d> Tracker::find_motion(const std::optional<Eigen::Isometry3d>& measured, double time) {
+  const double duration_s = time - std::exchange(placed_, time).value_or(time);
+  if (measured) {
+    last_step_ = Step{*measured, duration_s, time};
+    return measured;
+  }
+  if (last_step_ && (last_step_->duration_s <= 0.0 || time - last_step_->end > params_.max_blind_s + kTolerance)) {
+    last_step_.reset();
+  }
+  if (!last_step_) return std::nullopt;
+  return scale(last_step_->current_from_previous, duration_s / last_step_->duration_s);
 }
 
 void Tracker::note_time(double time) {

@@ -262,6 +262,7 @@ TEST(ReadDetections, ReadsMergedRememberedAndMeasuredObstacles) {
   Detection detection = example();
   detection.obstacles[0].candidate.types = {CandidateType::below_ground, CandidateType::no_disparity};
   detection.obstacles[0].unseen_s = 0.133;
+  detection.obstacles[0].time_to_edge_s = 2.25;
   const std::string text = to_json_line(detection);
   const Json obstacle = Json::parse(text)["obstacles"][0];
   EXPECT_EQ(obstacle["types"], Json::parse(R"(["below_ground","no_disparity"])"));
@@ -269,6 +270,7 @@ TEST(ReadDetections, ReadsMergedRememberedAndMeasuredObstacles) {
   const NegativeObstacle read = read_detections(folder.add("d.jsonl", text)).at(0).obstacles.at(0);
   EXPECT_EQ(read.candidate.types, detection.obstacles[0].candidate.types);
   EXPECT_EQ(read.unseen_s, 0.133);
+  EXPECT_EQ(read.time_to_edge_s, 2.25);
   EXPECT_EQ(read.candidate.measures.slope_deg, 34.5);
   std::string wrong = text;
   wrong.replace(wrong.find("no_disparity\"]"), 12, "no_such_type");

@@ -138,6 +138,44 @@ TEST(Tracker, EndsAllTracksWithAFrameThatCouldNotBeProcessed) {
   EXPECT_EQ(tracker.update({at(0.0, 3.0)}, kRest, 6 * kStep)[0].length, 1);
 }
 
+/// Walks 0.1 m a frame towards a candidate that is seen for five frames.
+void walk_to(Tracker& tracker) {
+  for (int i = 0; i < 5; ++i) (void)tracker.update({at(0.0, 3.0 - 0.1 * i)}, step_of(0.1), i * kStep);
+}
+
+// Without the motion the candidate would jump by a metre.
+TEST(Tracker, TakesAMotionThatIsNotKnownToGoOn) {
+  for (const int blind : {1, 3, 4}) {
+    TrackingParams params;
+    params.association_radius_m = 0.05;
+    Tracker tracker(params);
+    walk_to(tracker);
+    for (int i = 0; i < blind; ++i) (void)tracker.update({at(0.0, 2.5 - 0.1 * i)}, std::nullopt, (5 + i) * kStep);
+    const double z = 2.5 - 0.1 * blind;
+    EXPECT_EQ(tracker.update({at(0.0, z)}, step_of(0.1), (5 + blind) * kStep)[0].length, blind <= 3 ? 6 + blind : 2) << blind;
+  }
+}
+
+TEST(Tracker, ScalesTheMotionThatGoesOnByTheTime) {
+  TrackingParams params;
+  params.association_radius_m = 0.05;
+  Tracker tracker(params);
+  walk_to(tracker);
+  EXPECT_EQ(tracker.update({at(0.0, 2.4)}, std::nullopt, 6 * kStep)[0].length, 6) << "0.2 m in two steps";
+}
+
+TEST(Tracker, OutlivesAFewFramesThatCouldNotBeProcessed) {
+  for (const int failed : {1, 3, 4}) {
+    Tracker tracker;
+    walk_to(tracker);
+    for (int i = 0; i < failed; ++i) tracker.miss((5 + i) * kStep);
+    // The motion since the last frame that was processed.
+    const Eigen::Isometry3d motion = step_of(0.1 * (failed + 1));
+    const Track track = tracker.update({at(0.0, 2.6 - 0.1 * (failed + 1))}, motion, (5 + failed) * kStep)[0];
+    EXPECT_EQ(track.length, failed <= 3 ? 6 : 1) << failed;
+  }
+}
+
 // At 15 frames per second the third missed frame is 0.2 s after the last sighting: max_unseen_s = 0.2 bridges three, not four.
 TEST(Tracker, BridgesShortGapsUnlessToldNotTo) {
   for (const int missed : {1, 3, 4}) {
