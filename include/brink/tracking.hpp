@@ -22,7 +22,7 @@ struct TrackingParams {
                                   ///< once. An unknown motion is meanwhile taken to go on as it was
   double validation_s = 0.2;      ///< a candidate is validated when it was seen for this long, 3 frames at 15 fps,
   int min_sightings = 3;          ///< ... but never before it was seen so often,
-  double min_probability = 0.7;   ///< ... and not unless this is its probability; 0 = whatever it is, and none is told
+  double min_probability = 0.5;   ///< ... and not unless this is its probability; 0 = whatever it is, and none is told
   static TrackingParams paper();  ///< 5 frames at 15 fps, without what brink adds: associate_rims false, all others 0
   void validate() const;          ///< @throws std::invalid_argument "tracking.name = value, must be ..."
 };

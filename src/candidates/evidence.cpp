@@ -15,7 +15,7 @@ constexpr double kRoughness = -3.746;  // of the logarithm
 constexpr double kGroundShare = 2.079;
 constexpr double kStandingShare = -7.326;
 
-constexpr double kNoDisparity = 1.23;  // enough to be validated at the fifth sighting, as by the paper
+constexpr double kNoDisparity = 0.54;  // enough to be validated at the fifth sighting, as by the paper
 constexpr double kLeast = -4.0;
 constexpr double kMost = 6.0;
 

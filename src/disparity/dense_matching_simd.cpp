@@ -183,7 +183,7 @@ class CellMatcher {
     const std::size_t step = descriptors_per_vector();
     const std::uint8_t* here = image_[first].data();
     const std::uint8_t* there = other_[first + direction_ * d].data();
-    std::array<hn::Vec<Words>, 8> sums;
+    EightSums sums;
     for (std::size_t j = 0; j < 8; ++j) {
       if (j * step < count) {
         sums[j] = sum_differences(hn::LoadU(bytes, here + 16 * step * j), hn::LoadU(bytes, there + 16 * step * j));

@@ -40,9 +40,11 @@ void add_up_texture(const Descriptor* row, std::size_t width, std::int16_t* text
 
 #else
 
+using SixteenBytes = hn::FixedTag<std::uint8_t, 16>;
+using Matrix = hn::Vec<SixteenBytes>[16];  // NOLINT(modernize-avoid-c-arrays): as EightSums
+
 /// Merges rows i and i + 8 of a 16x16 matrix of bytes; four times makes columns of its rows.
-template <class D>
-HWY_INLINE void interleave_halves(D bytes, const std::array<hn::Vec<D>, 16>& from, std::array<hn::Vec<D>, 16>& to) {
+HWY_INLINE void interleave_halves(SixteenBytes bytes, const Matrix& from, Matrix& to) {
   for (std::size_t i = 0; i < 8; ++i) {
     to[2 * i] = hn::InterleaveLower(bytes, from[i], from[i + 8]);
     to[2 * i + 1] = hn::InterleaveUpper(bytes, from[i], from[i + 8]);
@@ -50,12 +52,12 @@ HWY_INLINE void interleave_halves(D bytes, const std::array<hn::Vec<D>, 16>& fro
 }
 
 void gather(const GradientRows& gradients, std::size_t width, Descriptor* row) {
-  const hn::FixedTag<std::uint8_t, 16> bytes;
+  const SixteenBytes bytes;
   const std::array<const std::uint8_t*, 16> samples = find_samples(gradients);
   const std::size_t whole = width - width % 16;
   for (std::size_t u = 0; u < whole; u += 16) {
-    std::array<hn::Vec<decltype(bytes)>, 16> a;
-    std::array<hn::Vec<decltype(bytes)>, 16> b;
+    Matrix a;
+    Matrix b;
     for (std::size_t k = 0; k < 16; ++k) a[k] = hn::LoadU(bytes, samples[k] + u);
     interleave_halves(bytes, a, b);
     interleave_halves(bytes, b, a);
@@ -74,7 +76,7 @@ void add_up_texture(const Descriptor* row, std::size_t width, std::int16_t* text
   const auto no_gradient = hn::Set(bytes, 128);
   const std::size_t whole = width - width % lanes;
   for (std::size_t u = 0; u < whole; u += lanes) {
-    std::array<hn::Vec<Words>, 8> sums;
+    EightSums sums;
     for (std::size_t j = 0; j < 8; ++j) sums[j] = sum_differences(hn::LoadU(bytes, row[u + j * step].data()), no_gradient);
     store_in_order(pack_sums(sums), reinterpret_cast<std::uint16_t*>(texture + u));
   }

@@ -85,7 +85,7 @@ void compute_costs(const Rows& rows, int u, const Rows& other, int first, std::s
   const std::uint8_t* lower = other.lower[first].data();
   constexpr int kArmBytes = 16 * kArm;
   for (std::size_t i = 0; i < count; i += 8 * step) {
-    std::array<hn::Vec<Words>, 8> sums;
+    EightSums sums;
     for (std::size_t j = 0; j < 8; ++j, upper += 16 * step, lower += 16 * step) {
       sums[j] = hn::Add(hn::Add(sum_differences(upper_left, hn::LoadU(bytes, upper - kArmBytes)),
                                 sum_differences(upper_right, hn::LoadU(bytes, upper + kArmBytes))),

@@ -23,6 +23,9 @@ using Bytes = hn::ScalableTag<std::uint8_t>;
 using Shorts = hn::ScalableTag<std::uint16_t>;
 using Words = hn::ScalableTag<std::uint64_t>;
 
+/// Not std::array: its constructor would be compiled for another target than that of the vectors.
+using EightSums = hn::Vec<Words>[8];  // NOLINT(modernize-avoid-c-arrays)
+
 /// Descriptors of 16 bytes that one vector holds.
 HWY_INLINE std::size_t descriptors_per_vector() { return hn::Lanes(Bytes()) / 16; }
 
@@ -41,7 +44,7 @@ HWY_INLINE hn::Vec<Words> sum_differences(hn::Vec<Bytes> a, hn::Vec<Bytes> b) {
 
 /// Costs of as many pixels as a vector has 16-bit lanes, from the sums of eight vectors of consecutive descriptors, two sums of
 /// at most 16,383 a descriptor. Lane 8 k + j is pixel K j + k, where K = descriptors_per_vector().
-HWY_INLINE hn::Vec<Shorts> pack_sums(const std::array<hn::Vec<Words>, 8>& sums) {
+HWY_INLINE hn::Vec<Shorts> pack_sums(const EightSums& sums) {
   const auto pack_four = [&sums](std::size_t first) {
     return hn::Or(hn::Or(sums[first], hn::ShiftLeft<16>(sums[first + 1])),
                   hn::Or(hn::ShiftLeft<32>(sums[first + 2]), hn::ShiftLeft<48>(sums[first + 3])));

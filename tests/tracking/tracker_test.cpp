@@ -296,7 +296,7 @@ TEST(Tracker, TellsNothingOfAHoleThatIsOutOfView) {
 TEST(Tracker, CoastsNoLongerThanItIsLikely) {
   HoleAhead ahead(2.0);
   ahead.hole.measures.solid_angle_msr = 12.0;
-  ahead.hole.measures.sigmas = 16.5;
+  ahead.hole.measures.sigmas = 13.1;
   const auto count_frames = [&](int sightings) {
     Tracker tracker;
     see(tracker, ahead, sightings);
