@@ -115,6 +115,8 @@ struct GroundSurface {
   /// Height of the ground over the plane in square cells, m: rows go from the camera's foot along pose.forward, columns along
   /// pose.right, the foot in their middle. Outside, the nearest cell counts. Empty = the plane everywhere.
   cv::Mat1f relief_m;
+  double lowest_m = 0.0;   ///< of relief_m
+  double highest_m = 0.0;  ///< of relief_m
 
   /// Height of the ground over the plane below or above a point, m.
   [[nodiscard]] double relief(const Eigen::Vector3d& point) const;

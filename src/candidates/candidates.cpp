@@ -4,12 +4,15 @@
 #include <cmath>
 #include <cstdint>
 #include <stdexcept>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include "brink/disparity.hpp"
 #include "candidates/agreement.hpp"
+#include "candidates/below_ground_simd.hpp"
 #include "candidates/depth_wanted.hpp"
 #include "candidates/far_rim.hpp"
 #include "candidates/ground_hypothesis.hpp"
@@ -33,32 +36,69 @@ void check_sizes(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f
   }
 }
 
-/// 255 where the ray of a pixel meets the ground within max_range_m. On the ray r, |r| h / (down . r) is the distance from the
+/// Whether the ray of a pixel meets the ground within max_range_m. On the ray r, |r| h / (down . r) is the distance from the
 /// camera, so distance^2 in the plane = h^2 (|r|^2 / (down . r)^2 - 1).
-cv::Mat1b compute_range_mask(const cv::Size& size, const GroundPose& pose, const StereoCamera& camera, double max_range_m) {
-  const double h2 = pose.height_m * pose.height_m;
-  const double reach2 = max_range_m * max_range_m + h2;
-  cv::Mat1b mask(size);
-  for (int v = 0; v < size.height; ++v) {
-    const double y = (v - camera.cy) / camera.focal;
-    for (int u = 0; u < size.width; ++u) {
-      const double x = (u - camera.cx) / camera.focal;
-      const double descent = pose.down.x() * x + pose.down.y() * y + pose.down.z();
-      mask(v, u) = descent > 0.0 && h2 * (x * x + y * y + 1.0) <= reach2 * descent * descent ? 255 : 0;
-    }
+class Range {
+ public:
+  Range(const GroundPose& pose, const StereoCamera& camera, double max_range_m)
+      : pose_(pose),
+        camera_(camera),
+        height2_(pose.height_m * pose.height_m),
+        reach2_(max_range_m * max_range_m + pose.height_m * pose.height_m) {}
+
+  [[nodiscard]] bool contains(int u, int v) const {
+    const double x = (u - camera_.cx) / camera_.focal;
+    const double y = (v - camera_.cy) / camera_.focal;
+    const double descent = pose_.down.x() * x + pose_.down.y() * y + pose_.down.z();
+    return descent > 0.0 && height2_ * (x * x + y * y + 1.0) <= reach2_ * descent * descent;
   }
-  return mask;
+
+ private:
+  GroundPose pose_;
+  StereoCamera camera_;
+  double height2_;
+  double reach2_;
+};
+
+/// What Type 1 is made of, 255 = so, size of the picture.
+struct BelowGroundMasks {
+  explicit BelowGroundMasks(const cv::Size& size) : none(size), deep(size), low(size), level(size) {}
+  cv::Mat1b none;   ///< no disparity
+  cv::Mat1b deep;   ///< as far below the ground as is wanted, in range
+  cv::Mat1b low;    ///< as far as the rim of a drop must be, in range
+  cv::Mat1b level;  ///< a surface at the height of the ground
+};
+
+/// All in one pass; few pixels are low, so that only these are asked for their range.
+BelowGroundMasks find_below_ground(const cv::Mat1f& disparity, const cv::Mat1f& elevation, const GroundSurface& ground,
+                                   const Range& range, const CandidateParams& params) {
+  const BelowGroundLimits limits{.least_disparity = kLeastDisparity,
+                                 .noise_px_m = static_cast<float>(noise_depth_wanted(ground, params)),
+                                 .measured_m = static_cast<float>(measured_depth_wanted(params)),
+                                 .rim_ratio = static_cast<float>(params.rim_depth_ratio),
+                                 .tolerance_m = static_cast<float>(params.ground_tolerance_m)};
+  BelowGroundMasks masks(disparity.size());
+  tbb::parallel_for(0, disparity.rows, [&](int v) {
+    const BelowGroundRow row{masks.none[v], masks.deep[v], masks.low[v], masks.level[v]};
+    sort_below_ground_row(disparity[v], elevation[v], disparity.cols, limits, row);
+    for (int u = 0; u < disparity.cols; ++u) {
+      if (row.low[u] != 0 && !range.contains(u, v)) row.low[u] = row.deep[u] = 0;
+    }
+  });
+  return masks;
 }
 
-/// 255 where both cameras see the ground, at least border_px away from the edges of their pictures. What only the left camera
-/// sees has no disparity either, but says nothing about a hole.
-cv::Mat1b compute_overlap_mask(const cv::Size& size, const GroundPlane& ground, int border_px) {
-  cv::Mat1b mask(size, uchar{0});
-  for (int v = border_px; v < size.height - border_px; ++v) {
-    for (int u = border_px; u < size.width - border_px; ++u) {
-      if (u - ground.disparity(u, v) >= border_px) mask(v, u) = 255;
+/// 255 where there is no disparity though both cameras see the ground, in range and at least border_px away from the edges of
+/// their pictures. What only the left camera sees has no disparity either, but says nothing about a hole.
+cv::Mat1b find_no_disparity(const cv::Mat1b& none, const GroundPlane& ground, const Range& range, int border_px) {
+  cv::Mat1b mask(none.size(), uchar{0});
+  tbb::parallel_for(border_px, std::max(border_px, none.rows - border_px), [&](int v) {
+    const uchar* const from = none[v];
+    uchar* const to = mask[v];
+    for (int u = border_px; u < none.cols - border_px; ++u) {
+      if (from[u] != 0 && u - ground.disparity(u, v) >= border_px && range.contains(u, v)) to[u] = 255;
     }
-  }
+  });
   return mask;
 }
 
@@ -151,13 +191,26 @@ double compute_median_brightness(const Frame& frame, const Region& region) {
   return *middle;
 }
 
-/// The pixels of a region that are set in a mask of the picture's size, as such a mask.
-cv::Mat1b select_common(const Region& region, const cv::Mat1b& mask) {
-  const cv::Rect in_picture = region.box & cv::Rect(cv::Point(0, 0), mask.size());
-  cv::Mat1b common(mask.size(), uchar{0});
-  cv::bitwise_and(mask(in_picture), region.mask(in_picture - region.box.tl()), common(in_picture));
-  return common;
-}
+/// The pixels of a region that are set in a mask of the picture's size, as such a mask; its memory is used for one region after
+/// the other.
+class CommonMask {
+ public:
+  explicit CommonMask(cv::Mat1b mask) : mask_(std::move(mask)), common_(mask_.size(), uchar{0}) {}
+
+  const cv::Mat1b& select(const Region& region) {
+    common_(used_).setTo(0);
+    used_ = region.box & cv::Rect(cv::Point(0, 0), mask_.size());
+    cv::bitwise_and(mask_(used_), region.mask(used_ - region.box.tl()), common_(used_));
+    return common_;
+  }
+  /// The part of the picture outside of which the selected mask is 0.
+  [[nodiscard]] const cv::Rect& box() const { return used_; }
+
+ private:
+  cv::Mat1b mask_;
+  cv::Mat1b common_;
+  cv::Rect used_;
+};
 
 double compute_depth(const Region& region, const cv::Mat1f& elevation) {
   std::vector<float> depths;
@@ -171,12 +224,12 @@ double compute_depth(const Region& region, const cv::Mat1f& elevation) {
   return *place;
 }
 
-/// How many standard deviations half of the deep part lies below the ground, at least.
-double compute_sigmas(const cv::Mat1b& deep, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
+/// How many standard deviations half of the deep part lies below the ground, at least. @param box where that part lies.
+double compute_sigmas(const cv::Mat1b& deep, const cv::Rect& box, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
                       const GroundSurface& ground) {
   std::vector<double> sigmas;
-  for (int v = 0; v < deep.rows; ++v) {
-    for (int u = 0; u < deep.cols; ++u) {
+  for (int v = box.y; v < box.br().y; ++v) {
+    for (int u = box.x; u < box.br().x; ++u) {
       if (deep(v, u) == 0) continue;
       const double sd_m = ground.pose.height_m * ground.disparity_sd_px / disparity(v, u);
       sigmas.push_back(-elevation(v, u) / sd_m);
@@ -312,23 +365,17 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
   check_sizes(frame, disparity, elevation);
   params.validate();
   const GroundPose& pose = ground.pose;
-  const cv::Mat1b range = compute_range_mask(elevation.size(), pose, frame.camera, params.max_range_m);
-  const cv::Mat1b none(disparity < kLeastDisparity);
-  const cv::Mat1b valid(~none);
-  const double noise_px_m = noise_depth_wanted(ground, params);
-  const double measured_m = measured_depth_wanted(params);
-  const cv::Mat1f depth_wanted(cv::max(noise_px_m / cv::max(disparity, kLeastDisparity), measured_m));
-  const cv::Mat1b deep((elevation <= -depth_wanted) & valid & range);
-  const cv::Mat1b low((elevation <= -params.rim_depth_ratio * depth_wanted) & valid & range);
-  const cv::Mat1b level((elevation > -params.rim_depth_ratio * depth_wanted) & valid & (elevation < params.ground_tolerance_m));
+  const Range range(pose, frame.camera, params.max_range_m);
+  const auto [none, deep, low, level] = find_below_ground(disparity, elevation, ground, range, params);
   const double min_area_px =
       std::max<double>(params.below_ground_min_area_px, params.below_ground_min_msr / compute_solid_angle_msr(1, frame.camera));
   const double ground_roughness_px = std::max(kLeastRoughnessPx, ground.roughness_px);
 
   std::vector<Candidate> candidates;
+  CommonMask deep_part(deep);
   for (const Region& region : find_regions(low, params.min_listed_area_px)) {
-    const cv::Mat1b deep_here = select_common(region, deep);
-    const int deep_px = cv::countNonZero(deep_here);
+    const cv::Mat1b& deep_here = deep_part.select(region);
+    const int deep_px = cv::countNonZero(deep_here(deep_part.box()));
     if (deep_px < params.min_listed_area_px) continue;
     Candidate candidate = measure(frame, region, CandidateType::below_ground, disparity, ground);
     candidate.depth_m = compute_depth(region, elevation);
@@ -338,7 +385,7 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
     Measures& measures = candidate.measures;
     measures = measure_border(touching);
     measures.solid_angle_msr = compute_solid_angle_msr(region.area_px, frame.camera);
-    measures.sigmas = compute_sigmas(deep_here, disparity, elevation, ground);
+    measures.sigmas = compute_sigmas(deep_here, deep_part.box(), disparity, elevation, ground);
     if (params.min_slope_deg > 0.0) {
       const double slope_deg = compute_rim_slope_deg(region, deep, level, disparity, frame.camera, pose);
       measures.slope_deg = slope_deg;
@@ -381,10 +428,9 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
   params.validate();
   if (frame.left.empty()) return {};
   const GroundPose& pose = ground.pose;
-  const cv::Mat1b range = compute_range_mask(elevation.size(), pose, frame.camera, params.max_range_m);
-  const cv::Mat1b overlap = compute_overlap_mask(elevation.size(), ground.plane, params.border_px);
+  const Range range(pose, frame.camera, params.max_range_m);
   const cv::Mat1b none(disparity < kLeastDisparity);
-  const cv::Mat1b mask(none & range & overlap);
+  const cv::Mat1b mask = find_no_disparity(none, ground.plane, range, params.border_px);
 
   std::vector<Candidate> candidates;
   for (const Region& region : find_regions(mask, params.min_listed_area_px)) {

@@ -1,25 +1,15 @@
 #include "disparity/consistency.hpp"
 
-#include <cmath>
-
 #include <tbb/parallel_for.h>
 
-#include "brink/disparity.hpp"
+#include "disparity/consistency_simd.hpp"
 
 namespace brink {
 
 cv::Mat1f check_consistency(const cv::Mat1f& left, const cv::Mat1f& right, float threshold_px) {
-  cv::Mat1f checked(left.size(), kInvalidDisparity);
-  tbb::parallel_for(0, left.rows, [&](int v) {
-    for (int u = 0; u < left.cols; ++u) {
-      const float d = left(v, u);
-      if (d == kInvalidDisparity) continue;
-      const float counterpart = static_cast<float>(u) - d + 0.5F;
-      if (counterpart < 0.0F || counterpart >= static_cast<float>(right.cols)) continue;
-      const float back = right(v, static_cast<int>(counterpart));
-      if (back != kInvalidDisparity && std::abs(d - back) <= threshold_px) checked(v, u) = d;
-    }
-  });
+  cv::Mat1f checked(left.size());
+  tbb::parallel_for(0, left.rows,
+                    [&](int v) { check_consistency_row(left[v], right[v], left.cols, threshold_px, checked[v]); });
   return checked;
 }
 

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include <opencv2/imgproc.hpp>
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include "disparity/dense_matching_simd.hpp"
@@ -42,25 +44,12 @@ std::array<SupportPoint, 3> corners_of(const Triangle& triangle, const std::vect
   return {corner(0), corner(1), corner(2)};
 }
 
-/// What the planes expect of the pixels of a row.
-void expect_row(const int* labels, const std::vector<PriorPlane>& planes, int v, RowPrior& prior) {
-  const auto width = static_cast<int>(prior.expected.size());
-  for (int begin = 0, end = 0; begin < width; begin = end) {
-    while (end < width && labels[end] == labels[begin]) ++end;
-    if (labels[begin] < 0) {
-      std::fill(prior.expected.begin() + begin, prior.expected.begin() + end, RowPrior::kNone);
-      std::fill(prior.reliable.begin() + begin, prior.reliable.begin() + end, RowPrior::kNone);
-      continue;
-    }
-    const PriorPlane& plane = planes[static_cast<std::size_t>(labels[begin])];
-    std::int16_t* const expected = prior.expected.data();
-    for (int u = begin; u < end; ++u) expected[u] = static_cast<std::int16_t>(plane.whole_disparity(u, v));
-    if (plane.reliable) {
-      std::copy(expected + begin, expected + end, prior.reliable.begin() + begin);
-    } else {
-      std::fill(prior.reliable.begin() + begin, prior.reliable.begin() + end, RowPrior::kNone);
-    }
-  }
+/// Which pixels of a row are matched: those with texture, in a triangle unless all are.
+void want_row(const uchar* textured, const int* labels, bool outside, RowPrior& prior) {
+  const int least_label = outside ? std::numeric_limits<int>::min() : 0;
+  std::uint8_t* const wanted = prior.wanted.data();
+  for (int u = 0; u < prior.width; ++u)
+    wanted[u] = static_cast<std::uint8_t>((textured[u] != 0 ? 1 : 0) & (labels[u] >= least_label ? 1 : 0));
 }
 
 }  // namespace
@@ -102,7 +91,7 @@ cv::Mat1i label_triangles(const std::vector<SupportPoint>& points, const std::ve
     const auto [low, high] = std::minmax({corners[0].v, corners[1].v, corners[2].v});
     for (int v = std::max(low, 0); v <= std::min(high, size.height - 1); ++v) {
       const cv::Range span = span_of_row(corners, v, size.width);
-      for (int u = span.start; u <= span.end; ++u) labels(v, u) = static_cast<int>(i);
+      if (span.start <= span.end) std::fill(labels[v] + span.start, labels[v] + span.end + 1, static_cast<int>(i));
     }
   }
   return labels;
@@ -154,14 +143,15 @@ cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorI
   const cv::Mat1b textured = find_textured(image, params);
   const Penalty penalty = make_penalty(params);
 
-  cv::Mat1f disparity(size, kInvalidDisparity);
-  tbb::parallel_for(0, size.height, [&](int v) {
-    RowPrior prior(static_cast<std::size_t>(size.width));
-    expect_row(labels[v], planes, v, prior);
-    for (int u = 0; u < size.width; ++u) {
-      prior.wanted[static_cast<std::size_t>(u)] = textured(v, u) != 0 && (labels(v, u) >= 0 || params.match_outside) ? 1 : 0;
+  cv::Mat1f disparity(size);
+  tbb::parallel_for(tbb::blocked_range<int>(0, size.height), [&](const tbb::blocked_range<int>& rows) {
+    RowPrior prior(size.width);
+    RowScratch scratch;
+    for (int v = rows.begin(); v < rows.end(); ++v) {
+      expect_row(labels[v], planes, v, prior);
+      want_row(textured[v], labels[v], params.match_outside, prior);
+      match_dense_row(view, image, other, v, prior, grid, penalty, params, scratch, disparity[v]);
     }
-    match_dense_row(view, image, other, v, prior, grid, penalty, params, disparity[v]);
   });
   return disparity;
 }

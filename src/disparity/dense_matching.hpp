@@ -24,9 +24,9 @@ struct PriorPlane {
   float c = 0.0F;
   bool reliable = false;  ///< not too slanted in either view to be one surface
   [[nodiscard]] float disparity(int u, int v) const { return a * static_cast<float>(u) + b * static_cast<float>(v) + c; }
-  /// Rounded; at most 10,000 either way, for a plane that is nearly upright may expect any number.
+  static constexpr float kFar = 10000.0F;  ///< whole_disparity is no more, either way
+  /// Rounded; a plane that is nearly upright may expect any number.
   [[nodiscard]] int whole_disparity(int u, int v) const {
-    constexpr float kFar = 10000.0F;
     // Shifted to what is positive, where truncating rounds down: std::floor is slow without SSE 4.1.
     return static_cast<int>(std::clamp(disparity(u, v), -kFar, kFar) + (kFar + 0.5F)) - static_cast<int>(kFar);
   }

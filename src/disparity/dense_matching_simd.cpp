@@ -25,17 +25,41 @@ constexpr std::int16_t kNoEnergy = std::numeric_limits<std::int16_t>::max();
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// What the search found for each pixel of a row.
-struct Found {
-  explicit Found(std::size_t size)
-      : energy(size, kNoEnergy), rival(size, kNoEnergy), disparity(size), cost_below(size), cost(size), cost_above(size) {}
-  std::vector<std::int16_t> energy;      ///< least; kNoEnergy = there was no candidate
-  std::vector<std::int16_t> rival;       ///< least of those that lie more than 1 px away from the best
-  std::vector<std::int16_t> disparity;   ///< of the best
-  std::vector<std::int16_t> cost_below;  ///< matching costs of the disparity - 1, itself, and + 1
-  std::vector<std::int16_t> cost;
-  std::vector<std::int16_t> cost_above;
-};
+/// Expected disparities of pixels [begin, end) and up to a vector's worth behind, which are written anew later.
+template <class D>
+HWY_INLINE void expect(D floats, const PriorPlane& plane, int v, int begin, int end, std::int16_t* expected,
+                       std::int16_t* reliable) {
+  const hn::Rebind<std::int16_t, D> shorts;
+  const hn::Rebind<std::int32_t, D> ints;
+  constexpr float kFar = PriorPlane::kFar;
+  const auto slope = hn::Set(floats, plane.a);
+  const auto along_v = hn::Set(floats, plane.b * static_cast<float>(v));
+  const auto none = hn::Set(shorts, RowPrior::kNone);
+  for (int u = begin; u < end; u += static_cast<int>(hn::Lanes(floats))) {
+    const auto columns = hn::Iota(floats, static_cast<float>(u));
+    const auto disparity = hn::Add(hn::Add(hn::Mul(slope, columns), along_v), hn::Set(floats, plane.c));
+    const auto limited = hn::Min(hn::Max(disparity, hn::Set(floats, -kFar)), hn::Set(floats, kFar));
+    const auto whole = hn::ConvertTo(ints, hn::Add(limited, hn::Set(floats, kFar + 0.5F)));
+    const auto narrow = hn::DemoteTo(shorts, hn::Sub(whole, hn::Set(ints, static_cast<std::int32_t>(kFar))));
+    hn::StoreU(narrow, shorts, expected + u);
+    hn::StoreU(plane.reliable ? narrow : none, shorts, reliable + u);
+  }
+}
+
+void expect_pixels(const int* labels, const std::vector<PriorPlane>& planes, int v, RowPrior& prior) {
+  std::int16_t* const expected = prior.expected.data();
+  std::int16_t* const reliable = prior.reliable.data();
+  for (int begin = 0, end = 0; begin < prior.width; begin = end) {
+    const int label = labels[begin];
+    while (end < prior.width && labels[end] == label) ++end;
+    if (label < 0) {
+      std::fill(expected + begin, expected + end, RowPrior::kNone);
+      std::fill(reliable + begin, reliable + end, RowPrior::kNone);
+    } else {
+      expect(hn::ScalableTag<float>(), planes[static_cast<std::size_t>(label)], v, begin, end, expected, reliable);
+    }
+  }
+}
 
 /// Sets of disparities: bit d of the words.
 using Bits = std::vector<std::uint64_t>;
@@ -69,7 +93,7 @@ void for_each(const Bits& bits, const Visit& visit) {
 class CellMatcher {
  public:
   CellMatcher(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
-              const Penalty& penalty, const ElasParams& params)
+              const Penalty& penalty, const ElasParams& params, RowScratch& scratch)
       : direction_(view == View::left ? -1 : 1),
         width_(image.width()),
         image_(image.row(v)),
@@ -80,8 +104,11 @@ class CellMatcher {
         max_disparity_(params.max_disparity),
         candidates_(static_cast<std::size_t>(max_disparity_) / 64 + 1),
         looked_at_(candidates_.size()),
-        costs_(static_cast<std::size_t>(max_disparity_ + 1) * lanes()),
-        energies_(costs_.size()) {}
+        costs_(scratch.costs),
+        energies_(scratch.energies) {
+    costs_.resize(static_cast<std::size_t>(max_disparity_ + 1) * lanes());
+    energies_.resize(costs_.size());
+  }
 
   /// Pixels that are matched together.
   static std::size_t lanes() {
@@ -93,7 +120,7 @@ class CellMatcher {
   }
 
   /// @param nearby of the cell. @param count at most lanes().
-  void match(int first, std::size_t count, const std::uint64_t* nearby, Found& found) {
+  void match(int first, std::size_t count, const std::uint64_t* nearby, RowScratch& found) {
     if (!collect(first, count, nearby)) return;
     prepare(first, count);
     search(first, count, nearby, found);
@@ -140,14 +167,14 @@ class CellMatcher {
 
 #if HWY_TARGET == HWY_SCALAR
 
-  void search(int first, std::size_t count, const std::uint64_t* nearby, Found& found) {
+  void search(int first, std::size_t count, const std::uint64_t* nearby, RowScratch& found) {
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t u = static_cast<std::size_t>(first) + i;
       if (prior_.wanted[u] != 0) search_pixel(static_cast<int>(u), i, nearby, found);
     }
   }
 
-  void search_pixel(int u, std::size_t i, const std::uint64_t* nearby, Found& found) {
+  void search_pixel(int u, std::size_t i, const std::uint64_t* nearby, RowScratch& found) {
     const auto cost = [&](int d) { return static_cast<std::int16_t>(compute_cost(image_[u], other_[u + direction_ * d])); };
     const auto at = static_cast<std::size_t>(u);
     std::size_t number = 0;
@@ -194,7 +221,7 @@ class CellMatcher {
     return hn::BitCast(Signed(), pack_sums(sums));
   }
 
-  void search(int first, std::size_t count, const std::uint64_t* nearby, Found& found) {
+  void search(int first, std::size_t count, const std::uint64_t* nearby, RowScratch& found) {
     const Signed d16;
     const std::size_t lanes16 = hn::Lanes(d16);
     const auto expected = hn::Load(d16, expected_.data());
@@ -274,8 +301,8 @@ class CellMatcher {
   int max_disparity_;
   Bits candidates_;
   Bits looked_at_;
-  std::vector<std::int16_t> costs_;  ///< of the disparities that are looked at, lanes() each
-  std::vector<std::int16_t> energies_;
+  std::vector<std::int16_t>& costs_;
+  std::vector<std::int16_t>& energies_;
   HWY_ALIGN std::array<std::int16_t, kMostLanes> expected_{};
   HWY_ALIGN std::array<std::int16_t, kMostLanes> reliable_{};
   HWY_ALIGN std::array<std::int16_t, kMostLanes> largest_{};
@@ -284,7 +311,7 @@ class CellMatcher {
 /// The last step for the pixels of a row: which are certain, and where between whole numbers they lie.
 class RowFinisher {
  public:
-  RowFinisher(View view, int width, const Found& found, const RowPrior& prior, const ElasParams& params)
+  RowFinisher(View view, int width, const RowScratch& found, const RowPrior& prior, const ElasParams& params)
       : from_left_(view == View::left),
         width_(width),
         found_(found),
@@ -342,7 +369,7 @@ class RowFinisher {
 
   bool from_left_;
   int width_;
-  const Found& found_;
+  const RowScratch& found_;
   const RowPrior& prior_;
   float max_disparity_;
   bool margin_;
@@ -351,11 +378,15 @@ class RowFinisher {
 };
 
 void match_row(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
-               const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, float* disparity) {
-  CellMatcher matcher(view, image, other, v, prior, penalty, params);
+               const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, RowScratch& found,
+               float* disparity) {
+  CellMatcher matcher(view, image, other, v, prior, penalty, params, found);
   const int width = image.width();
   const auto lanes = static_cast<int>(CellMatcher::lanes());
-  Found found(static_cast<std::size_t>(width + lanes));
+  const auto size = static_cast<std::size_t>(width + lanes);
+  found.energy.assign(size, kNoEnergy);
+  found.rival.assign(size, kNoEnergy);
+  for (auto* row : {&found.disparity, &found.cost_below, &found.cost, &found.cost_above}) row->resize(size);
   for (int cell = 0; cell < width; cell += grid.cell_px) {
     const int end = std::min(cell + grid.cell_px, width);
     for (int u = cell; u < end; u += lanes) {
@@ -377,11 +408,17 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace brink {
 
+HWY_EXPORT(expect_pixels);
 HWY_EXPORT(match_row);
 
+void expect_row(const int* labels, const std::vector<PriorPlane>& planes, int v, RowPrior& prior) {
+  HWY_DYNAMIC_DISPATCH(expect_pixels)(labels, planes, v, prior);
+}
+
 void match_dense_row(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
-                     const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, float* disparity) {
-  HWY_DYNAMIC_DISPATCH(match_row)(view, image, other, v, prior, grid, penalty, params, disparity);
+                     const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, RowScratch& scratch,
+                     float* disparity) {
+  HWY_DYNAMIC_DISPATCH(match_row)(view, image, other, v, prior, grid, penalty, params, scratch, disparity);
 }
 
 }  // namespace brink

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <vector>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include "brink/disparity.hpp"
@@ -55,12 +56,31 @@ void fill_gap(const Line& line, int begin, int end, bool across_steps) {
   }
 }
 
-void fill_gaps_of_line(const Line& line, int max_width, bool across_steps) {
-  int begin = 0;  // one behind the last valid pixel
-  for (int i = 0; i < line.size(); ++i) {
-    if (!line.is_valid(i)) continue;
-    if (begin > 0 && i - begin <= max_width) fill_gap(line, begin, i, across_steps);
-    begin = i + 1;
+/// Whether line[begin, end) is to be filled. @param begin one behind the last valid pixel, 0 = none.
+bool is_gap(int begin, int end, int max_width) { return 0 < begin && begin < end && end - begin <= max_width; }
+
+void fill_gaps_of_row(const Line& row, int max_width, bool across_steps) {
+  int begin = 0;
+  for (int u = 0; u < row.size(); ++u) {
+    if (!row.is_valid(u)) continue;
+    if (is_gap(begin, u, max_width)) fill_gap(row, begin, u, across_steps);
+    begin = u + 1;
+  }
+}
+
+/// In some columns at a time, row by row, in which order they lie in memory.
+void fill_gaps_of_columns(cv::Mat1f& image, const cv::Range& columns, int max_width, bool across_steps) {
+  const auto row_step = static_cast<std::ptrdiff_t>(image.step1());
+  std::vector<int> begins(static_cast<std::size_t>(columns.size()), 0);
+  for (int v = 0; v < image.rows; ++v) {
+    const float* const row = image[v] + columns.start;
+    for (std::size_t i = 0; i < begins.size(); ++i) {
+      if (row[i] == kInvalidDisparity) continue;
+      if (is_gap(begins[i], v, max_width)) {
+        fill_gap(Line(image[0] + columns.start + i, row_step, image.rows), begins[i], v, across_steps);
+      }
+      begins[i] = v + 1;
+    }
   }
 }
 
@@ -191,7 +211,15 @@ cv::Mat1f remove_speckles(const cv::Mat1f& disparity, float similarity_px, int m
 }
 
 cv::Mat1f fill_gaps(const cv::Mat1f& disparity, int max_width_px, bool across_steps) {
-  return change_lines(disparity, [=](const Line& line) { fill_gaps_of_line(line, max_width_px, across_steps); });
+  cv::Mat1f result = disparity.clone();
+  if (result.empty()) return result;
+  tbb::parallel_for(0, result.rows,
+                    [&](int v) { fill_gaps_of_row(Line(result[v], 1, result.cols), max_width_px, across_steps); });
+  constexpr int kColumns = 128;
+  tbb::parallel_for(tbb::blocked_range<int>(0, result.cols, kColumns), [&](const tbb::blocked_range<int>& columns) {
+    fill_gaps_of_columns(result, {columns.begin(), columns.end()}, max_width_px, across_steps);
+  });
+  return result;
 }
 
 cv::Mat1f extend_to_borders(const cv::Mat1f& disparity, int max_width_px) {

@@ -63,7 +63,12 @@ struct Attempt {
   int inliers = 0;
 };
 
-bool are_equal(const cv::Mat1b& a, const cv::Mat1b& b) { return cv::norm(a, b, cv::NORM_INF) == 0.0; }
+bool are_equal(const cv::Mat1b& a, const cv::Mat1b& b) {
+  for (int v = 0; v < a.rows; ++v) {
+    if (!std::equal(a[v], a[v] + a.cols, b[v])) return false;
+  }
+  return true;
+}
 
 bool are_equal(const StereoCamera& a, const StereoCamera& b) {
   return a.focal == b.focal && a.cx == b.cx && a.cy == b.cy && a.baseline == b.baseline;

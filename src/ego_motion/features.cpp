@@ -102,15 +102,23 @@ void find_extrema(const cv::Mat1s& response, FeatureClass minimum, FeatureClass 
     for (int u = margin; u + side + margin <= response.cols; u += side) {
       cv::Point least(u, v);
       cv::Point greatest(u, v);
+      int lowest = response(v, u);
+      int highest = lowest;
       for (int y = v; y < v + side; ++y) {
         const short* row = response[y];
         for (int x = u; x < u + side; ++x) {
-          if (row[x] < response(least)) least = {x, y};
-          if (row[x] > response(greatest)) greatest = {x, y};
+          if (row[x] < lowest) {
+            lowest = row[x];
+            least = {x, y};
+          }
+          if (row[x] > highest) {
+            highest = row[x];
+            greatest = {x, y};
+          }
         }
       }
       for (const auto& [place, sign, kind] : {std::tuple{least, -1, minimum}, std::tuple{greatest, 1, maximum}}) {
-        const int strength = sign * response(place);
+        const int strength = sign < 0 ? -lowest : highest;
         if (strength >= params.min_response && is_extremum(response, place, sign, params.feature_radius_px)) {
           extrema.push_back({place, kind, strength});
         }

@@ -20,7 +20,9 @@ constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr double kRollStepDeg = 2.5;      // the refinement takes the rest
 constexpr int kTargetSamples = 60000;     // enough for 0.01 px in the plane; keeps the stage below the paper's 8.4 ms
 constexpr std::size_t kRefined = 4;       // hypotheses that are refined to a plane
-constexpr int kRefinements = 12;          // steps of the iteratively reweighted least squares
+constexpr int kCoarseRefinements = 8;     // steps of the iteratively reweighted least squares on a part of the samples ...
+constexpr std::size_t kCoarseShare = 4;   // ... every fourth
+constexpr int kFineRefinements = 4;       // ... and of the best hypothesis on all of them
 constexpr double kFullCoverage = 0.4;     // share of the ground's part of the picture that gives full confidence
 constexpr std::size_t kMinSamples = 100;  // fewer valid pixels than this say nothing about a ground
 
@@ -95,12 +97,11 @@ std::vector<Hypothesis> search_lines(const std::vector<DisparitySample>& samples
   return found;
 }
 
-/// Iteratively reweighted least squares of d = a u + b v + c with Tukey's weights. The band starts at three times its final
-/// width, because the hypothesis comes from two pixels and a coarse roll.
-GroundPlane refine_plane(const std::vector<DisparitySample>& samples, GroundPlane plane, double cx,
+/// Iteratively reweighted least squares of d = a u + b v + c with Tukey's weights.
+/// @param widen the band of the first step, in final widths; it shrinks by half of one each step.
+GroundPlane refine_plane(const std::vector<DisparitySample>& samples, GroundPlane plane, double cx, int steps, double widen,
                          const GroundParams& params) {
-  for (int i = 0; i < kRefinements; ++i) {
-    const double widen = std::max(1.0, 3.0 - 0.5 * i);
+  for (int i = 0; i < steps; ++i, widen = std::max(1.0, widen - 0.5)) {
     std::array<double, 9> sums{};  // of w u u, w u v, w u, w v v, w v, w, w d u, w d v, w d
     for (const DisparitySample& s : samples) {
       const double expected = plane.disparity(s.u + cx, s.v);
@@ -125,6 +126,13 @@ GroundPlane refine_plane(const std::vector<DisparitySample>& samples, GroundPlan
     plane = {solution[0], solution[1], solution[2] - solution[0] * cx};
   }
   return plane;
+}
+
+std::vector<DisparitySample> take_every(const std::vector<DisparitySample>& samples, std::size_t step) {
+  std::vector<DisparitySample> some;
+  some.reserve(samples.size() / step + 1);
+  for (std::size_t i = 0; i < samples.size(); i += step) some.push_back(samples[i]);
+  return some;
 }
 
 double score_plane(const std::vector<DisparitySample>& samples, const GroundPlane& plane, const cv::Size& size, double cx,
@@ -242,15 +250,18 @@ GroundEstimate estimate_ground(const cv::Mat1f& disparity, const StereoCamera& c
   hypotheses.resize(std::min(hypotheses.size(), kRefined));
   if (previous) hypotheses.push_back({*previous, 0.0});
 
+  // The band starts at three times its final width, because a hypothesis comes from two pixels and a coarse roll.
+  const std::vector<DisparitySample> some = take_every(samples, kCoarseShare);
   tbb::parallel_for(std::size_t{0}, hypotheses.size(), [&](std::size_t i) {
-    const GroundPlane plane = refine_plane(samples, hypotheses[i].plane, camera.cx, params);
-    hypotheses[i] = {plane, score_plane(samples, plane, disparity.size(), camera.cx, params)};
+    const GroundPlane plane = refine_plane(some, hypotheses[i].plane, camera.cx, kCoarseRefinements, 3.0, params);
+    hypotheses[i] = {plane, score_plane(some, plane, disparity.size(), camera.cx, params)};
   });
   std::optional<Hypothesis> best;
   for (const Hypothesis& hypothesis : hypotheses) {
     if (plausible(hypothesis.plane) && (!best || hypothesis.score > best->score)) best = hypothesis;
   }
-  if (!best) return not_visible("no plane of plausible height and tilt");
+  if (best) best->plane = refine_plane(samples, best->plane, camera.cx, kFineRefinements, 1.0, params);
+  if (!best || !plausible(best->plane)) return not_visible("no plane of plausible height and tilt");
 
   GroundEstimate estimate;
   estimate.plane = best->plane;

@@ -237,6 +237,7 @@ GroundSurface follow_ground(const cv::Mat1f& disparity, const GroundSurface& fla
   GroundSurface surface = flat;
   surface.cell_m = grid.cell_m;
   surface.relief_m = spread(followed, cells);
+  cv::minMaxLoc(surface.relief_m, &surface.lowest_m, &surface.highest_m);
   return surface;
 }
 

@@ -1,13 +1,14 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <stdexcept>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include "brink/ground.hpp"
+#include "ground/elevation_simd.hpp"
 
 namespace brink {
 namespace {
@@ -97,14 +98,11 @@ std::string to_string(GroundState state) {
 cv::Mat1f compute_elevation(const cv::Mat1f& disparity, const GroundPlane& ground, const StereoCamera& camera) {
   const auto height = static_cast<float>(compute_ground_pose(ground, camera).height_m);
   cv::Mat1f elevation(disparity.size());
-  for (int v = 0; v < disparity.rows; ++v) {
-    const float* d = disparity[v];
-    float* out = elevation[v];
-    for (int u = 0; u < disparity.cols; ++u) {
-      const auto expected = static_cast<float>(ground.disparity(u, v));
-      out[u] = d[u] > 0.0F ? height * (1.0F - expected / d[u]) : std::numeric_limits<float>::quiet_NaN();
-    }
-  }
+  const auto step = static_cast<float>(ground.a);
+  tbb::parallel_for(0, disparity.rows, [&](int v) {
+    const auto first = static_cast<float>(ground.disparity(0.0, v));
+    compute_elevation_row(disparity[v], disparity.cols, height, first, step, elevation[v]);
+  });
   return elevation;
 }
 

@@ -38,16 +38,13 @@ double GroundSurface::relief(const Eigen::Vector3d& point) const {
 std::optional<Eigen::Vector3d> GroundSurface::intersect(double u, double v, const StereoCamera& camera) const {
   std::optional<Eigen::Vector3d> on_plane = pose.intersect(u, v, camera);
   if (!on_plane || relief_m.empty()) return on_plane;
-  double lowest = 0.0;
-  double highest = 0.0;
-  cv::minMaxLoc(relief_m, &lowest, &highest);
   constexpr double kStep = 0.02;  // m of height
   const auto at_height = [&](double height) { return Eigen::Vector3d((1.0 - height / pose.height_m) * *on_plane); };
   double above = 0.0;  // of the last point over the surface
-  for (double height = std::min(highest, 0.9 * pose.height_m);; height -= kStep) {
+  for (double height = std::min(highest_m, 0.9 * pose.height_m);; height -= kStep) {
     const double over = height - relief(at_height(height));
     if (over <= 0.0) return at_height(above > 0.0 ? height - kStep * over / (above - over) : height);
-    if (height <= lowest) return at_height(height);
+    if (height <= lowest_m) return at_height(height);
     above = over;
   }
 }
@@ -68,7 +65,7 @@ GroundSurface make_flat_surface(const GroundEstimate& ground, const cv::Mat1f& d
 
 cv::Mat1f compute_elevation(const cv::Mat1f& disparity, const GroundSurface& ground, const StereoCamera& camera) {
   cv::Mat1f elevation = compute_elevation(disparity, ground.plane, camera);
-  if (ground.relief_m.empty() || cv::countNonZero(ground.relief_m) == 0) return elevation;
+  if (ground.relief_m.empty() || (ground.lowest_m == 0.0 && ground.highest_m == 0.0)) return elevation;
   // relief(triangulate(u, v, d)) for every pixel. Along a row both of its coordinates at a depth of 1 are linear in u.
   const double scale = camera.focal * camera.baseline / ground.cell_m;
   tbb::parallel_for(0, elevation.rows, [&](int v) {

@@ -2,10 +2,14 @@
 #include <limits>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "brink/ground.hpp"
+#include "ground/elevation_simd.hpp"
+#include "reference/elevation.hpp"
+#include "simd_targets.hpp"
 #include "synthetic_scene.hpp"
 
 namespace brink {
@@ -127,6 +131,22 @@ TEST(Elevation, IsNanWhereThereIsNoDisparity) {
   EXPECT_TRUE(std::isnan(elevation(0, 1)));
   EXPECT_FALSE(std::isnan(elevation(0, 2)));
   EXPECT_TRUE(compute_elevation(cv::Mat1f(), plane, camera).empty());
+}
+
+TEST(Elevation, EqualsItsTwinOnEveryTarget) {
+  cv::RNG random(5);
+  for (const int width : {1, 3, 8, 67}) {
+    std::vector<float> disparity;
+    for (int u = 0; u < width; ++u) disparity.push_back(u % 5 == 0 ? kInvalidDisparity : random.uniform(0.0F, 60.0F));
+    const std::vector<float> expected = reference::naive_elevation_row(disparity, 1.62F, 21.3F, -0.031F);
+    test::for_each_target([&] {
+      std::vector<float> elevation(disparity.size());
+      compute_elevation_row(disparity.data(), width, 1.62F, 21.3F, -0.031F, elevation.data());
+      for (std::size_t u = 0; u < elevation.size(); ++u) {
+        EXPECT_TRUE(elevation[u] == expected[u] || (std::isnan(elevation[u]) && std::isnan(expected[u]))) << u;
+      }
+    });
+  }
 }
 
 }  // namespace
