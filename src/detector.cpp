@@ -247,8 +247,10 @@ void Detector::report(const Frame& frame, Detection& detection) {
                                     .unseen_s = track.unseen_s,
                                     .probability = track.probability,
                                     .time_to_edge_s = time_to_edge(track.candidate)};
-    const double range_m = params_.report_range_m + (reported_.contains(track.id) ? params_.report_slack_m : 0.0);
-    if (track.validated && track.candidate.distance_m <= range_m) {
+    const bool told_before = reported_.contains(track.id);
+    const double range_m = params_.report_range_m + (told_before ? params_.report_slack_m : 0.0);
+    const bool seen_or_told = track.unseen_s == 0.0 || told_before;  // a memory is no news
+    if (track.validated && seen_or_told && track.candidate.distance_m <= range_m) {
       reported.insert(track.id);
       detection.obstacles.push_back(obstacle);
     } else {

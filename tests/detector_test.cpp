@@ -302,6 +302,33 @@ TEST(Detector, EndsTracksWhereGroundsCannotBeAlignedByThePapersRules) {
   EXPECT_EQ(after.tracks[0].track_length, 1);
 }
 
+// What was validated too far away to be told, and is not seen since, is no news.
+TEST(Detector, RemembersOnlyWhatItTold) {
+  const auto walk_blindly = [](double report_range_m) {
+    DetectorParams params;
+    params.report_range_m = report_range_m;
+    params.report_slack_m = 0.0;
+    Detector detector(params);
+    Detection detection;
+    const StereoCamera camera = test::half_size_camera();
+    const cv::Mat1f level = test::make_disparity(camera, test::half_size(), make_ground_plane(1.6, 30.0, 0.0, camera));
+    for (int i = 0; i < 8; ++i) {
+      const double walked_m = 0.1 * i;
+      const Eigen::Vector3d ahead(0.0, -0.5, std::sqrt(0.75));
+      cv::Mat1f disparity = hole_disparity(1.6, 30.0, 3.0 - walked_m);
+      if (i >= 5) disparity.setTo(kInvalidDisparity, disparity != level);
+      detection = detector.process(at_pose(depth_frame(disparity, i), i, Eigen::Isometry3d(Eigen::Translation3d(walked_m * ahead))));
+    }
+    return detection;
+  };
+  const Detection told = walk_blindly(5.0);
+  ASSERT_EQ(told.obstacles.size(), 1U);
+  EXPECT_GT(told.obstacles[0].unseen_s, 0.0);
+  const Detection never_told = walk_blindly(2.45);  // seen last at 2.6 m, now remembered at 2.3 m
+  EXPECT_TRUE(never_told.obstacles.empty());
+  EXPECT_EQ(never_told.tracks.size(), 1U);
+}
+
 TEST(Detector, TellsTheTimeToAnEdgeThatIsWalkedTo) {
   for (const double path_width_m : {0.6, 0.0}) {
     DetectorParams params;

@@ -219,7 +219,8 @@ void Tracker::coast(const std::map<std::size_t, std::size_t>& heirs, double time
     Track track = memory.track;
     track.unseen_s = unseen_s;
     judge(track);
-    const bool coasting = track.validated && unseen_s <= params_.max_coast_s + kTolerance;
+    const double seen_s = track.length * typical_step().value_or(kUsualStep);
+    const bool coasting = track.validated && unseen_s <= std::min(params_.max_coast_s, seen_s) + kTolerance;
     if (!young && !coasting) continue;
     if (!coasting || !view) {
       memories.push_back(memory);

@@ -246,9 +246,32 @@ TEST(Bench, MeasuresEveryStage) {
   EXPECT_GE(json["times_ms"]["total"]["median"], json["times_ms"]["disparity"]["median"]);
   EXPECT_GT(json["fps"], 0.0);
   EXPECT_GT(json["peak_memory_mb"], 1.0);
+  EXPECT_LE(json["resident_mb"]["last"], json["peak_memory_mb"]);
+  if (!json["allocations"].is_null()) {
+    EXPECT_GT(json["allocations"]["calls"], 0.0);
+    EXPECT_GT(json["allocations"]["mb"], 0.1);
+  }
   const std::string text = run_command("bench " + pair + " --repeat 1").output;
   EXPECT_NE(text.find("disparity: median "), std::string::npos);
   EXPECT_NE(text.find(" Y, p95 "), std::string::npos);
+}
+
+TEST(Bench, ResizesPicturesToTheSameShape) {
+  const TemporaryFolder folder;
+  const std::string pair = add_pair(folder, make_ground_pair(true));
+  const Json whole = Json::parse(run_command("bench " + pair + " --repeat 1 --json").output);
+  const int width = whole["width"].get<int>();
+  const int height = whole["height"].get<int>();
+  const std::string half = std::to_string(width / 2) + "x" + std::to_string(height / 2);
+  const Json json = Json::parse(run_command("bench " + pair + " --repeat 1 --json --size " + half).output);
+  EXPECT_EQ(json["width"], width / 2);
+  EXPECT_EQ(json["height"], height / 2);
+  for (const std::string wrong : {"640", "640x", "axb", "640x360x2", "9x9", "640x640"}) {
+    const CommandResult result = run_command("bench " + pair + " --repeat 1 --size " + wrong);
+    EXPECT_EQ(result.exit_code, 2) << wrong;
+    EXPECT_NE(result.errors.find("--size"), std::string::npos) << wrong;
+    EXPECT_TRUE(result.output.empty()) << wrong;
+  }
 }
 
 TEST(Help, IsThereForEveryCommandWithExamples) {

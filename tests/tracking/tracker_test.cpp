@@ -309,6 +309,17 @@ TEST(Tracker, CoastsNoLongerThanItIsLikely) {
   EXPECT_EQ(count_frames(60), 15) << "max_coast_s";
 }
 
+TEST(Tracker, CoastsNoLongerThanItWasSeen) {
+  const HoleAhead ahead(2.0);
+  for (const int sightings : {4, 7}) {
+    Tracker tracker;
+    see(tracker, ahead, sightings);
+    int frames = 0;
+    while (frames < 100 && !tracker.update({}, kRest, (sightings + frames) * kStep, ahead.view).empty()) ++frames;
+    EXPECT_EQ(frames, sightings);
+  }
+}
+
 TEST(Tracker, TellsOneOfTwoTracksOfOneOpening) {
   HoleAhead ahead(2.0);
   HoleAhead part = ahead;  // a fragment, near enough to be followed as its own
