@@ -23,12 +23,18 @@ constexpr int kFewest = 20;
 
 /// Whether a window of the left picture has contrast: without it, it looks alike everywhere.
 bool has_contrast(const cv::Mat1b& picture, int u, int v) {
-  const cv::Rect window(u - kRadius, v - kRadius, kWidth, kWidth);
-  if ((window & cv::Rect(cv::Point(0, 0), picture.size())) != window) return false;
-  cv::Scalar mean;
-  cv::Scalar deviation;
-  cv::meanStdDev(picture(window), mean, deviation);
-  return deviation[0] >= kContrast;
+  if (u < kRadius || v < kRadius || u + kRadius >= picture.cols || v + kRadius >= picture.rows) return false;
+  int sum = 0;
+  int squares = 0;
+  for (int dv = -kRadius; dv <= kRadius; ++dv) {
+    const uchar* const row = picture[v + dv] + u - kRadius;
+    for (int k = 0; k < kWidth; ++k) {
+      sum += row[k];
+      squares += row[k] * row[k];
+    }
+  }
+  constexpr int kPixels = kWidth * kWidth;
+  return kPixels * squares - sum * sum >= kContrast * kContrast * kPixels * kPixels;
 }
 
 /// Mean absolute difference of the window around (u, v) in the left picture to that at u - disparity in the right one, their

@@ -89,23 +89,28 @@ void for_each(const Bits& bits, const Visit& visit) {
   }
 }
 
-/// Matches pixels that lie in one cell of the grid, a vector's worth at a time.
-class CellMatcher {
+/// Matches the pixels of a row, a vector's worth at a time.
+class RowMatcher {
  public:
-  CellMatcher(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
-              const Penalty& penalty, const ElasParams& params, RowScratch& scratch)
+  RowMatcher(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
+             const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, RowScratch& scratch)
       : direction_(view == View::left ? -1 : 1),
         width_(image.width()),
         image_(image.row(v)),
         other_(other.row(v)),
+        v_(v),
         prior_(prior),
+        grid_(grid),
         penalty_(penalty),
         radius_(static_cast<int>(penalty.near_plane.size()) - 1),
         max_disparity_(params.max_disparity),
-        candidates_(static_cast<std::size_t>(max_disparity_) / 64 + 1),
-        looked_at_(candidates_.size()),
+        candidates_(scratch.candidates),
+        looked_at_(scratch.looked_at),
+        cells_(scratch.cells),
         costs_(scratch.costs),
         energies_(scratch.energies) {
+    candidates_.resize(static_cast<std::size_t>(max_disparity_) / 64 + 1);
+    looked_at_.resize(candidates_.size());
     costs_.resize(static_cast<std::size_t>(max_disparity_ + 1) * lanes());
     energies_.resize(costs_.size());
   }
@@ -119,17 +124,23 @@ class CellMatcher {
 #endif
   }
 
-  /// @param nearby of the cell. @param count at most lanes().
-  void match(int first, std::size_t count, const std::uint64_t* nearby, RowScratch& found) {
-    if (!collect(first, count, nearby)) return;
+  /// @param count at most lanes().
+  void match(int first, std::size_t count, RowScratch& found) {
+    if (!collect(first, count)) return;
     prepare(first, count);
-    search(first, count, nearby, found);
+    search(first, count, found);
   }
 
  private:
   /// Unites the candidates of the pixels. @return whether there are any.
-  bool collect(int first, std::size_t count, const std::uint64_t* nearby) {
-    std::copy_n(nearby, candidates_.size(), candidates_.begin());
+  bool collect(int first, std::size_t count) {
+    const int end = first + static_cast<int>(count);
+    std::fill(candidates_.begin(), candidates_.end(), 0);
+    cells_.clear();
+    for (int u = first; u < end; u = (u / grid_.cell_px + 1) * grid_.cell_px) {
+      cells_.push_back(grid_.at(u, v_));
+      for (std::size_t k = 0; k < candidates_.size(); ++k) candidates_[k] |= cells_.back()[k];
+    }
     bool any = false;
     std::int16_t last = RowPrior::kNone;
     for (std::size_t i = 0; i < count; ++i) {
@@ -161,20 +172,22 @@ class CellMatcher {
       const int u = first + static_cast<int>(i);
       expected_[lane] = prior_.expected[static_cast<std::size_t>(u)];
       reliable_[lane] = prior_.reliable[static_cast<std::size_t>(u)];
+      cell_of_[lane] = static_cast<std::int16_t>(u / grid_.cell_px - first / grid_.cell_px);
       largest_[lane] = static_cast<std::int16_t>(std::min(max_disparity_, direction_ < 0 ? u : width_ - 1 - u));
     }
   }
 
 #if HWY_TARGET == HWY_SCALAR
 
-  void search(int first, std::size_t count, const std::uint64_t* nearby, RowScratch& found) {
+  void search(int first, std::size_t count, RowScratch& found) {
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t u = static_cast<std::size_t>(first) + i;
-      if (prior_.wanted[u] != 0) search_pixel(static_cast<int>(u), i, nearby, found);
+      if (prior_.wanted[u] != 0) search_pixel(static_cast<int>(u), i, found);
     }
   }
 
-  void search_pixel(int u, std::size_t i, const std::uint64_t* nearby, RowScratch& found) {
+  void search_pixel(int u, std::size_t i, RowScratch& found) {
+    const std::uint64_t* const nearby = grid_.at(u, v_);
     const auto cost = [&](int d) { return static_cast<std::int16_t>(compute_cost(image_[u], other_[u + direction_ * d])); };
     const auto at = static_cast<std::size_t>(u);
     std::size_t number = 0;
@@ -221,11 +234,22 @@ class CellMatcher {
     return hn::BitCast(Signed(), pack_sums(sums));
   }
 
-  void search(int first, std::size_t count, const std::uint64_t* nearby, RowScratch& found) {
+  /// Of the pixels those in whose cells a disparity is a candidate.
+  hn::Mask<Signed> find_nearby(hn::Vec<Signed> cell_of, int d) const {
+    const Signed d16;
+    auto nearby = hn::Lt(cell_of, hn::Zero(d16));  // none: cells count from 0
+    for (std::size_t k = 0; k < cells_.size(); ++k) {
+      if (contains(cells_[k], d)) nearby = hn::Or(nearby, hn::Eq(cell_of, hn::Set(d16, static_cast<std::int16_t>(k))));
+    }
+    return nearby;
+  }
+
+  void search(int first, std::size_t count, RowScratch& found) {
     const Signed d16;
     const std::size_t lanes16 = hn::Lanes(d16);
     const auto expected = hn::Load(d16, expected_.data());
     const auto reliable = hn::Load(d16, reliable_.data());
+    const auto cell_of = hn::Load(d16, cell_of_.data());
     const auto one = hn::Set(d16, 1);
     const auto too_large = hn::Add(hn::Load(d16, largest_.data()), one);
     const auto too_far = hn::Set(d16, static_cast<std::int16_t>(radius_ + 1));
@@ -248,7 +272,8 @@ class CellMatcher {
         }
         static_assert(Penalty::kUnits == 4);
         auto allowed = hn::Lt(disparity, too_large);
-        if (!contains(nearby, d)) allowed = hn::And(allowed, hn::Lt(hn::Abs(hn::Sub(disparity, expected)), too_far));
+        const auto near_plane = hn::Lt(hn::Abs(hn::Sub(disparity, expected)), too_far);
+        allowed = hn::And(allowed, hn::Or(near_plane, find_nearby(cell_of, d)));
         energy = hn::IfThenElse(allowed, hn::Add(hn::ShiftLeft<2>(cost), penalty), none);
         const auto less = hn::Lt(energy, best);
         best = hn::IfThenElse(less, energy, best);
@@ -295,17 +320,21 @@ class CellMatcher {
   int width_;
   const Descriptor* image_;
   const Descriptor* other_;
+  int v_;
   const RowPrior& prior_;
+  const CandidateGrid& grid_;
   const Penalty& penalty_;
   int radius_;
   int max_disparity_;
-  Bits candidates_;
-  Bits looked_at_;
+  Bits& candidates_;
+  Bits& looked_at_;
+  std::vector<const std::uint64_t*>& cells_;  ///< the words of the cells that the pixels lie in
   std::vector<std::int16_t>& costs_;
   std::vector<std::int16_t>& energies_;
   HWY_ALIGN std::array<std::int16_t, kMostLanes> expected_{};
   HWY_ALIGN std::array<std::int16_t, kMostLanes> reliable_{};
   HWY_ALIGN std::array<std::int16_t, kMostLanes> largest_{};
+  HWY_ALIGN std::array<std::int16_t, kMostLanes> cell_of_{};  ///< index in cells_
 };
 
 /// The last step for the pixels of a row: which are certain, and where between whole numbers they lie.
@@ -380,19 +409,14 @@ class RowFinisher {
 void match_row(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
                const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, RowScratch& found,
                float* disparity) {
-  CellMatcher matcher(view, image, other, v, prior, penalty, params, found);
+  RowMatcher matcher(view, image, other, v, prior, grid, penalty, params, found);
   const int width = image.width();
-  const auto lanes = static_cast<int>(CellMatcher::lanes());
+  const auto lanes = static_cast<int>(RowMatcher::lanes());
   const auto size = static_cast<std::size_t>(width + lanes);
   found.energy.assign(size, kNoEnergy);
   found.rival.assign(size, kNoEnergy);
   for (auto* row : {&found.disparity, &found.cost_below, &found.cost, &found.cost_above}) row->resize(size);
-  for (int cell = 0; cell < width; cell += grid.cell_px) {
-    const int end = std::min(cell + grid.cell_px, width);
-    for (int u = cell; u < end; u += lanes) {
-      matcher.match(u, static_cast<std::size_t>(std::min(lanes, end - u)), grid.at(u, v), found);
-    }
-  }
+  for (int u = 0; u < width; u += lanes) matcher.match(u, static_cast<std::size_t>(std::min(lanes, width - u)), found);
   const RowFinisher finisher(view, width, found, prior, params);
   const hn::ScalableTag<float> floats;
   const auto step = static_cast<int>(hn::Lanes(floats));

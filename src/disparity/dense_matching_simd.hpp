@@ -32,6 +32,9 @@ void expect_row(const int* labels, const std::vector<PriorPlane>& planes, int v,
 
 /// Memory that one row after the other uses.
 struct RowScratch {
+  std::vector<std::uint64_t> candidates;  ///< sets of disparities: bit d of the words
+  std::vector<std::uint64_t> looked_at;
+  std::vector<const std::uint64_t*> cells;  ///< whose sets are united
   std::vector<std::int16_t> costs;  ///< of the disparities that are looked at, as many as a vector has lanes each
   std::vector<std::int16_t> energies;
   // What the search found for each pixel:

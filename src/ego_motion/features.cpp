@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <tuple>
 
 #include <opencv2/imgproc.hpp>
@@ -93,53 +94,78 @@ bool is_extremum(const cv::Mat1s& response, cv::Point place, int sign, int radiu
   return true;
 }
 
+/// The least and the greatest value of each column of a band of rows.
+struct Band {
+  std::vector<short> least;
+  std::vector<short> greatest;
+  void set(const cv::Mat1s& response, int first_row, int rows) {
+    least.assign(response[first_row], response[first_row] + response.cols);
+    greatest = least;
+    for (int v = first_row + 1; v < first_row + rows; ++v) {
+      const short* const row = response[v];
+      for (std::size_t u = 0; u < least.size(); ++u) {
+        least[u] = std::min(least[u], row[u]);
+        greatest[u] = std::max(greatest[u], row[u]);
+      }
+    }
+  }
+};
+
+/// The first place in a block, row by row, that has a value; there must be one.
+cv::Point find_value(const cv::Mat1s& response, cv::Point corner, int side, short value) {
+  for (int v = corner.y; v < corner.y + side; ++v) {
+    const short* const row = response[v] + corner.x;
+    const short* const found = std::find(row, row + side, value);
+    if (found != row + side) return {corner.x + static_cast<int>(found - row), v};
+  }
+  return corner;
+}
+
 /// The least and the greatest value of each block that are extrema of their neighbourhood.
 void find_extrema(const cv::Mat1s& response, FeatureClass minimum, FeatureClass maximum, const EgoMotionParams& params,
                   std::vector<Extremum>& extrema) {
   const int side = params.feature_radius_px + 1;
   const int margin = std::max(kMargin, params.feature_radius_px);
+  Band band;
   for (int v = margin; v + side + margin <= response.rows; v += side) {
+    band.set(response, v, side);
     for (int u = margin; u + side + margin <= response.cols; u += side) {
-      cv::Point least(u, v);
-      cv::Point greatest(u, v);
-      int lowest = response(v, u);
-      int highest = lowest;
-      for (int y = v; y < v + side; ++y) {
-        const short* row = response[y];
-        for (int x = u; x < u + side; ++x) {
-          if (row[x] < lowest) {
-            lowest = row[x];
-            least = {x, y};
-          }
-          if (row[x] > highest) {
-            highest = row[x];
-            greatest = {x, y};
-          }
-        }
-      }
-      for (const auto& [place, sign, kind] : {std::tuple{least, -1, minimum}, std::tuple{greatest, 1, maximum}}) {
-        const int strength = sign < 0 ? -lowest : highest;
-        if (strength >= params.min_response && is_extremum(response, place, sign, params.feature_radius_px)) {
-          extrema.push_back({place, kind, strength});
-        }
+      const short least = *std::min_element(band.least.begin() + u, band.least.begin() + u + side);
+      const short greatest = *std::max_element(band.greatest.begin() + u, band.greatest.begin() + u + side);
+      for (const auto& [value, sign, kind] : {std::tuple{least, -1, minimum}, std::tuple{greatest, 1, maximum}}) {
+        const int strength = sign * value;
+        if (strength < params.min_response) continue;
+        const cv::Point place = find_value(response, {u, v}, side, value);
+        if (is_extremum(response, place, sign, params.feature_radius_px)) extrema.push_back({place, kind, strength});
       }
     }
   }
 }
 
-/// The strongest of each square; ties go to the one found first.
+/// The strongest of each square, square by square; ties go to the one found first.
 std::vector<Extremum> keep_strongest(const std::vector<Extremum>& extrema, cv::Size size, int bucket, int per_bucket) {
   const int columns = size.width / bucket + 1;
   const int rows = size.height / bucket + 1;
-  std::vector<std::vector<Extremum>> buckets(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-  for (const Extremum& extremum : extrema) {
-    const int square = extremum.place.y / bucket * columns + extremum.place.x / bucket;
-    buckets[static_cast<std::size_t>(square)].push_back(extremum);
-  }
+  const auto square_of = [&](const Extremum& extremum) {
+    return static_cast<std::size_t>(extremum.place.y / bucket * columns + extremum.place.x / bucket);
+  };
+  // Counted, then put in their places: those of a square stay in their order.
+  std::vector<std::size_t> begins(static_cast<std::size_t>(columns * rows) + 1, 0);
+  for (const Extremum& extremum : extrema) ++begins[square_of(extremum) + 1];
+  std::partial_sum(begins.begin(), begins.end(), begins.begin());
+  std::vector<std::size_t> next = begins;
+  std::vector<const Extremum*> sorted(extrema.size());
+  for (const Extremum& extremum : extrema) sorted[next[square_of(extremum)]++] = &extremum;
   std::vector<Extremum> kept;
-  for (std::vector<Extremum>& one : buckets) {
-    std::stable_sort(one.begin(), one.end(), [](const Extremum& a, const Extremum& b) { return a.strength > b.strength; });
-    kept.insert(kept.end(), one.begin(), one.begin() + std::min<std::ptrdiff_t>(per_bucket, std::ssize(one)));
+  for (std::size_t square = 0; square + 1 < begins.size(); ++square) {
+    const auto begin = sorted.begin() + static_cast<std::ptrdiff_t>(begins[square]);
+    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(begins[square + 1]);
+    const auto last = begin + std::min<std::ptrdiff_t>(per_bucket, end - begin);
+    // Pointers tell which was found first.
+    std::partial_sort(begin, last, end, [](const Extremum* a, const Extremum* b) {
+      return a->strength != b->strength ? a->strength > b->strength : a < b;
+    });
+    for (auto one = begin; one != last; ++one) kept.push_back(**one);
   }
   return kept;
 }

@@ -20,9 +20,9 @@ constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr double kRollStepDeg = 2.5;      // the refinement takes the rest
 constexpr int kTargetSamples = 60000;     // enough for 0.01 px in the plane; keeps the stage below the paper's 8.4 ms
 constexpr std::size_t kRefined = 4;       // hypotheses that are refined to a plane
-constexpr int kCoarseRefinements = 8;     // steps of the iteratively reweighted least squares on a part of the samples ...
-constexpr std::size_t kCoarseShare = 4;   // ... every fourth
-constexpr int kFineRefinements = 4;       // ... and of the best hypothesis on all of them
+constexpr std::size_t kCoarseShare = 4;   // every fourth sample finds the best hypothesis, all of them refine it
+constexpr int kCoarseRefinements = 8;     // steps of the iteratively reweighted least squares on that part ...
+constexpr int kFineRefinements = 4;       // ... and on all
 constexpr double kFullCoverage = 0.4;     // share of the ground's part of the picture that gives full confidence
 constexpr std::size_t kMinSamples = 100;  // fewer valid pixels than this say nothing about a ground
 
@@ -246,12 +246,12 @@ GroundEstimate estimate_ground(const cv::Mat1f& disparity, const StereoCamera& c
   }
 
   const Plausibility plausible(camera, params, gravity);
-  std::vector<Hypothesis> hypotheses = search_lines(samples, disparity.size(), camera.cx, plausible, params);
+  const std::vector<DisparitySample> some = take_every(samples, kCoarseShare);
+  std::vector<Hypothesis> hypotheses = search_lines(some, disparity.size(), camera.cx, plausible, params);
   hypotheses.resize(std::min(hypotheses.size(), kRefined));
   if (previous) hypotheses.push_back({*previous, 0.0});
 
   // The band starts at three times its final width, because a hypothesis comes from two pixels and a coarse roll.
-  const std::vector<DisparitySample> some = take_every(samples, kCoarseShare);
   tbb::parallel_for(std::size_t{0}, hypotheses.size(), [&](std::size_t i) {
     const GroundPlane plane = refine_plane(some, hypotheses[i].plane, camera.cx, kCoarseRefinements, 3.0, params);
     hypotheses[i] = {plane, score_plane(some, plane, disparity.size(), camera.cx, params)};

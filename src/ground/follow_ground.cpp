@@ -2,7 +2,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <queue>
+#include <span>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -52,7 +54,11 @@ Grid make_grid(const GroundParams& params) {
 
 Cells collect(const cv::Mat1f& disparity, const Grid& grid, const GroundSurface& flat, const StereoCamera& camera, int step) {
   const GroundPose& pose = flat.pose;
-  std::vector<std::vector<float>> heights(static_cast<std::size_t>(grid.size.area()));
+  struct Height {
+    std::size_t cell;
+    float elevation_m;
+  };
+  std::vector<Height> heights;
   const auto index = [&grid](int row, int column) {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.size.width) + static_cast<std::size_t>(column);
   };
@@ -67,13 +73,21 @@ Cells collect(const cv::Mat1f& disparity, const Grid& grid, const GroundSurface&
       const cv::Point2d place = grid.place(point, pose);
       const cv::Point cell(cvRound(place.x), cvRound(place.y));
       if (!grid.contains(cell)) continue;
-      heights[index(cell.y, cell.x)].push_back(static_cast<float>(elevation));
+      heights.push_back({index(cell.y, cell.x), static_cast<float>(elevation)});
       cells.noise(cell) = static_cast<float>(kSigmas * flat.disparity_sd_px * pose.height_m / d);
     }
   }
+  // Counted, then put in their places, cell by cell.
+  std::vector<std::size_t> begins(static_cast<std::size_t>(grid.size.area()) + 1, 0);
+  for (const Height& height : heights) ++begins[height.cell + 1];
+  std::partial_sum(begins.begin(), begins.end(), begins.begin());
+  std::vector<std::size_t> next = begins;
+  std::vector<float> sorted(heights.size());
+  for (const Height& height : heights) sorted[next[height.cell]++] = height.elevation_m;
   for (int row = 0; row < grid.size.height; ++row) {
     for (int column = 0; column < grid.size.width; ++column) {
-      std::vector<float>& all = heights[index(row, column)];
+      const std::size_t cell = index(row, column);
+      const std::span<float> all(sorted.data() + begins[cell], begins[cell + 1] - begins[cell]);
       if (all.size() < kLeastPoints) continue;
       std::ranges::sort(all);
       cells.height(row, column) = all[all.size() / 2];
