@@ -141,43 +141,55 @@ class RowMatcher {
       cells_.push_back(grid_.at(u, v_));
       for (std::size_t k = 0; k < candidates_.size(); ++k) candidates_[k] |= cells_.back()[k];
     }
-    bool any = false;
-    std::int16_t last = RowPrior::kNone;
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t u = static_cast<std::size_t>(first) + i;
-      if (prior_.wanted[u] == 0) continue;
-      any = true;
-      if (prior_.expected[u] == last) continue;
-      last = prior_.expected[u];
-      insert(candidates_, std::max(last - radius_, 0), std::min(last + radius_, max_disparity_));
+    const Expected planes = find_expected(first, count);
+    if (!planes.any_wanted) return false;
+    // One range for all of them, as what is a candidate of none is not allowed anywhere later; but not across edges.
+    constexpr int kOneSurface = 8;  // px
+    if (planes.least <= planes.greatest && planes.greatest - planes.least <= kOneSurface) {
+      insert_around(planes.least, planes.greatest);
+    } else {
+      for (int u = first; u < end; ++u) insert_around(prior_.expected[static_cast<std::size_t>(u)]);
     }
-    if (any) widen(candidates_, max_disparity_, looked_at_);
-    return any;
+    widen(candidates_, max_disparity_, looked_at_);
+    return true;
   }
 
-  /// Where pixel i of the vector's worth lies in the vectors.
-  static std::size_t lane_of(std::size_t i) {
+  /// @param least, greatest of expected disparities; kNone, which is far below 0, inserts nothing.
+  void insert_around(int least, int greatest) {
+    insert(candidates_, std::max(least - radius_, 0), std::min(greatest + radius_, max_disparity_));
+  }
+  void insert_around(int expected) { insert_around(expected, expected); }
+
+  /// What is expected of the pixels that are wanted; least > greatest when they lie outside all triangles.
+  struct Expected {
+    bool any_wanted = false;
+    int least = std::numeric_limits<std::int16_t>::max();
+    int greatest = RowPrior::kNone;
+  };
+
 #if HWY_TARGET == HWY_SCALAR
-    return i;
-#else
-    const std::size_t step = descriptors_per_vector();
-    return i % step * 8 + i / step;
-#endif
+
+  Expected find_expected(int first, std::size_t count) const {
+    Expected result;
+    for (std::size_t u = static_cast<std::size_t>(first); u < static_cast<std::size_t>(first) + count; ++u) {
+      if (prior_.wanted[u] == 0) continue;
+      result.any_wanted = true;
+      if (prior_.expected[u] == RowPrior::kNone) continue;
+      result.least = std::min<int>(result.least, prior_.expected[u]);
+      result.greatest = std::max<int>(result.greatest, prior_.expected[u]);
+    }
+    return result;
   }
 
   void prepare(int first, std::size_t count) {
     largest_.fill(-1);
     for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t lane = lane_of(i);
       const int u = first + static_cast<int>(i);
-      expected_[lane] = prior_.expected[static_cast<std::size_t>(u)];
-      reliable_[lane] = prior_.reliable[static_cast<std::size_t>(u)];
-      cell_of_[lane] = static_cast<std::int16_t>(u / grid_.cell_px - first / grid_.cell_px);
-      largest_[lane] = static_cast<std::int16_t>(std::min(max_disparity_, direction_ < 0 ? u : width_ - 1 - u));
+      expected_[i] = prior_.expected[static_cast<std::size_t>(u)];
+      reliable_[i] = prior_.reliable[static_cast<std::size_t>(u)];
+      largest_[i] = static_cast<std::int16_t>(std::min(max_disparity_, direction_ < 0 ? u : width_ - 1 - u));
     }
   }
-
-#if HWY_TARGET == HWY_SCALAR
 
   void search(int first, std::size_t count, RowScratch& found) {
     for (std::size_t i = 0; i < count; ++i) {
@@ -217,19 +229,59 @@ class RowMatcher {
 
   using Signed = hn::ScalableTag<std::int16_t>;
 
+  Expected find_expected(int first, std::size_t count) const {
+    const Signed d16;
+    const auto expected = hn::LoadU(d16, prior_.expected.data() + first);
+    const auto wanted8 = hn::LoadU(hn::Rebind<std::uint8_t, Signed>(), prior_.wanted.data() + first);
+    const auto wanted16 = hn::PromoteTo(d16, wanted8);
+    const auto inside = hn::Lt(hn::Iota(d16, 0), hn::Set(d16, static_cast<std::int16_t>(count)));
+    const auto wanted = hn::And(inside, hn::Ne(wanted16, hn::Zero(d16)));
+    if (hn::AllFalse(d16, wanted)) return {};
+    const auto none = hn::Set(d16, RowPrior::kNone);
+    const auto known = hn::And(wanted, hn::Ne(expected, none));
+    const auto most = hn::Set(d16, std::numeric_limits<std::int16_t>::max());
+    const auto least = hn::GetLane(hn::MinOfLanes(d16, hn::IfThenElse(known, expected, most)));
+    const auto greatest = hn::GetLane(hn::MaxOfLanes(d16, hn::IfThenElse(known, expected, none)));
+    return {true, least, greatest};
+  }
+
+  /// Consecutive pixels as lanes in pack_sums' order: the inverse of store_in_order.
+  static hn::Vec<Signed> to_lanes(hn::Vec<Signed> pixels) {
+    const Signed d16;
+    for (std::size_t blocks = descriptors_per_vector(); blocks > 1; blocks /= 2) {
+      pixels = hn::ConcatUpperLower(d16, hn::ConcatOdd(d16, pixels, pixels), hn::ConcatEven(d16, pixels, pixels));
+    }
+    return pixels;
+  }
+
+  void prepare(int first, std::size_t count) {
+    const Signed d16;
+    const auto set = [&](int value) { return hn::Set(d16, static_cast<std::int16_t>(value)); };
+    const auto lane_pixels = hn::Iota(d16, 0);
+    const auto columns = hn::Add(set(first), lane_pixels);
+    const auto room = direction_ < 0 ? columns : hn::Sub(set(width_ - 1), columns);
+    const auto inside = hn::Lt(lane_pixels, set(static_cast<int>(count)));
+    auto cells = hn::Zero(d16);
+    for (std::size_t k = 1; k < cells_.size(); ++k) {
+      const int begin = (first / grid_.cell_px + static_cast<int>(k)) * grid_.cell_px - first;
+      cells = hn::IfThenElse(hn::Lt(lane_pixels, set(begin)), cells, set(static_cast<int>(k)));
+    }
+    const auto store = [&](auto pixels, auto& lanes) { hn::Store(to_lanes(pixels), d16, lanes.data()); };
+    store(hn::LoadU(d16, prior_.expected.data() + first), expected_);
+    store(hn::LoadU(d16, prior_.reliable.data() + first), reliable_);
+    store(hn::IfThenElse(inside, hn::Min(room, set(max_disparity_)), set(-1)), largest_);
+    store(cells, cell_of_);
+  }
+
   /// Matching costs of the pixels at one disparity.
-  hn::Vec<Signed> compute_costs(int first, std::size_t count, int d) const {
+  hn::Vec<Signed> compute_costs(int first, int d) const {
     const Bytes bytes;
     const std::size_t step = descriptors_per_vector();
     const std::uint8_t* here = image_[first].data();
     const std::uint8_t* there = other_[first + direction_ * d].data();
     EightSums sums;
-    for (std::size_t j = 0; j < 8; ++j) {
-      if (j * step < count) {
-        sums[j] = sum_differences(hn::LoadU(bytes, here + 16 * step * j), hn::LoadU(bytes, there + 16 * step * j));
-      } else {
-        sums[j] = hn::Zero(Words());
-      }
+    for (std::size_t j = 0; j < 8; ++j) {  // beyond the end of the row, too: there is padding, and what comes out is not used
+      sums[j] = sum_differences(hn::LoadU(bytes, here + 16 * step * j), hn::LoadU(bytes, there + 16 * step * j));
     }
     return hn::BitCast(Signed(), pack_sums(sums));
   }
@@ -244,7 +296,7 @@ class RowMatcher {
     return nearby;
   }
 
-  void search(int first, std::size_t count, RowScratch& found) {
+  void search(int first, std::size_t /*count*/, RowScratch& found) {
     const Signed d16;
     const std::size_t lanes16 = hn::Lanes(d16);
     const auto expected = hn::Load(d16, expected_.data());
@@ -261,7 +313,7 @@ class RowMatcher {
     std::int16_t* energies = energies_.data();
     for_each(looked_at_, [&](int d) {
       const auto disparity = hn::Set(d16, static_cast<std::int16_t>(d));
-      const auto cost = compute_costs(first, count, d);
+      const auto cost = compute_costs(first, d);
       auto energy = none;
       if (contains(candidates_.data(), d)) {
         const auto off = hn::Abs(hn::Sub(disparity, reliable));
