@@ -8,15 +8,13 @@
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include "brink/disparity.hpp"
 #include "candidates/agreement.hpp"
-#include "candidates/below_ground_simd.hpp"
-#include "candidates/depth_wanted.hpp"
 #include "candidates/far_rim.hpp"
 #include "candidates/ground_hypothesis.hpp"
 #include "candidates/kind.hpp"
+#include "candidates/masks.hpp"
 #include "candidates/region.hpp"
 #include "candidates/rim_slope.hpp"
 #include "ground/roughness.hpp"
@@ -24,7 +22,6 @@
 namespace brink {
 namespace {
 
-constexpr float kLeastDisparity = 1.0F;     // the paper: a disparity below 1 is none
 constexpr double kLeastRoughnessPx = 0.05;  // what walls and rubble show in the clearest pictures
 constexpr double kDepthQuantile = 0.9;      // the deepest tenth is noise as often as it is depth
 
@@ -34,72 +31,6 @@ void check_sizes(const Frame& frame, const cv::Mat1f& disparity, const cv::Mat1f
     throw std::invalid_argument(fmt::format("sizes differ: picture {}x{}, disparity {}x{}, elevation {}x{}", size.width,
                                             size.height, disparity.cols, disparity.rows, elevation.cols, elevation.rows));
   }
-}
-
-/// Whether the ray of a pixel meets the ground within max_range_m. On the ray r, |r| h / (down . r) is the distance from the
-/// camera, so distance^2 in the plane = h^2 (|r|^2 / (down . r)^2 - 1).
-class Range {
- public:
-  Range(const GroundPose& pose, const StereoCamera& camera, double max_range_m)
-      : pose_(pose),
-        camera_(camera),
-        height2_(pose.height_m * pose.height_m),
-        reach2_(max_range_m * max_range_m + pose.height_m * pose.height_m) {}
-
-  [[nodiscard]] bool contains(int u, int v) const {
-    const double x = (u - camera_.cx) / camera_.focal;
-    const double y = (v - camera_.cy) / camera_.focal;
-    const double descent = pose_.down.x() * x + pose_.down.y() * y + pose_.down.z();
-    return descent > 0.0 && height2_ * (x * x + y * y + 1.0) <= reach2_ * descent * descent;
-  }
-
- private:
-  GroundPose pose_;
-  StereoCamera camera_;
-  double height2_;
-  double reach2_;
-};
-
-/// What Type 1 is made of, 255 = so, size of the picture.
-struct BelowGroundMasks {
-  explicit BelowGroundMasks(const cv::Size& size) : none(size), deep(size), low(size), level(size) {}
-  cv::Mat1b none;   ///< no disparity
-  cv::Mat1b deep;   ///< as far below the ground as is wanted, in range
-  cv::Mat1b low;    ///< as far as the rim of a drop must be, in range
-  cv::Mat1b level;  ///< a surface at the height of the ground
-};
-
-/// All in one pass; few pixels are low, so that only these are asked for their range.
-BelowGroundMasks find_below_ground(const cv::Mat1f& disparity, const cv::Mat1f& elevation, const GroundSurface& ground,
-                                   const Range& range, const CandidateParams& params) {
-  const BelowGroundLimits limits{.least_disparity = kLeastDisparity,
-                                 .noise_px_m = static_cast<float>(noise_depth_wanted(ground, params)),
-                                 .measured_m = static_cast<float>(measured_depth_wanted(params)),
-                                 .rim_ratio = static_cast<float>(params.rim_depth_ratio),
-                                 .tolerance_m = static_cast<float>(params.ground_tolerance_m)};
-  BelowGroundMasks masks(disparity.size());
-  tbb::parallel_for(0, disparity.rows, [&](int v) {
-    const BelowGroundRow row{masks.none[v], masks.deep[v], masks.low[v], masks.level[v]};
-    sort_below_ground_row(disparity[v], elevation[v], disparity.cols, limits, row);
-    for (int u = 0; u < disparity.cols; ++u) {
-      if (row.low[u] != 0 && !range.contains(u, v)) row.low[u] = row.deep[u] = 0;
-    }
-  });
-  return masks;
-}
-
-/// 255 where there is no disparity though both cameras see the ground, in range and at least border_px away from the edges of
-/// their pictures. What only the left camera sees has no disparity either, but says nothing about a hole.
-cv::Mat1b find_no_disparity(const cv::Mat1b& none, const GroundPlane& ground, const Range& range, int border_px) {
-  cv::Mat1b mask(none.size(), uchar{0});
-  tbb::parallel_for(border_px, std::max(border_px, none.rows - border_px), [&](int v) {
-    const uchar* const from = none[v];
-    uchar* const to = mask[v];
-    for (int u = border_px; u < none.cols - border_px; ++u) {
-      if (from[u] != 0 && u - ground.disparity(u, v) >= border_px && range.contains(u, v)) to[u] = 255;
-    }
-  });
-  return mask;
 }
 
 enum class PixelKind : std::uint8_t { none, ground, below_ground, other };
@@ -365,8 +296,7 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
   check_sizes(frame, disparity, elevation);
   params.validate();
   const GroundPose& pose = ground.pose;
-  const Range range(pose, frame.camera, params.max_range_m);
-  const auto [none, deep, low, level] = find_below_ground(disparity, elevation, ground, range, params);
+  const auto [none, deep, low, level] = find_below_ground(disparity, elevation, ground, frame.camera, params);
   const double min_area_px =
       std::max<double>(params.below_ground_min_area_px, params.below_ground_min_msr / compute_solid_angle_msr(1, frame.camera));
   const double ground_roughness_px = std::max(kLeastRoughnessPx, ground.roughness_px);
@@ -428,9 +358,8 @@ std::vector<Candidate> select_no_disparity(const Frame& frame, const cv::Mat1f& 
   params.validate();
   if (frame.left.empty()) return {};
   const GroundPose& pose = ground.pose;
-  const Range range(pose, frame.camera, params.max_range_m);
   const cv::Mat1b none(disparity < kLeastDisparity);
-  const cv::Mat1b mask = find_no_disparity(none, ground.plane, range, params.border_px);
+  const cv::Mat1b mask = find_no_disparity(none, ground, frame.camera, params);
 
   std::vector<Candidate> candidates;
   for (const Region& region : find_regions(mask, params.min_listed_area_px)) {

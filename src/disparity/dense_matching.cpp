@@ -146,11 +146,12 @@ cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorI
   cv::Mat1f disparity(size);
   tbb::parallel_for(tbb::blocked_range<int>(0, size.height), [&](const tbb::blocked_range<int>& rows) {
     RowPrior prior(size.width);
-    RowScratch scratch;
+    RowSearch search;
     for (int v = rows.begin(); v < rows.end(); ++v) {
       expect_row(labels[v], planes, v, prior);
       want_row(textured[v], labels[v], params.match_outside, prior);
-      match_dense_row(view, image, other, v, prior, grid, penalty, params, scratch, disparity[v]);
+      search_row(view, image, other, v, prior, grid, penalty, params, search);
+      finish_row(view, search, prior, params, disparity[v]);
     }
   });
   return disparity;

@@ -21,45 +21,9 @@ namespace brink::HWY_NAMESPACE {
 namespace {
 
 constexpr std::size_t kMostLanes = std::max(HWY_MAX_BYTES / 2, 8);
-constexpr std::int16_t kNoEnergy = std::numeric_limits<std::int16_t>::max();
+constexpr std::int16_t kNoEnergy = RowSearch::kNoEnergy;
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-/// Expected disparities of pixels [begin, end) and up to a vector's worth behind, which are written anew later.
-template <class D>
-HWY_INLINE void expect(D floats, const PriorPlane& plane, int v, int begin, int end, std::int16_t* expected,
-                       std::int16_t* reliable) {
-  const hn::Rebind<std::int16_t, D> shorts;
-  const hn::Rebind<std::int32_t, D> ints;
-  constexpr float kFar = PriorPlane::kFar;
-  const auto slope = hn::Set(floats, plane.a);
-  const auto along_v = hn::Set(floats, plane.b * static_cast<float>(v));
-  const auto none = hn::Set(shorts, RowPrior::kNone);
-  for (int u = begin; u < end; u += static_cast<int>(hn::Lanes(floats))) {
-    const auto columns = hn::Iota(floats, static_cast<float>(u));
-    const auto disparity = hn::Add(hn::Add(hn::Mul(slope, columns), along_v), hn::Set(floats, plane.c));
-    const auto limited = hn::Min(hn::Max(disparity, hn::Set(floats, -kFar)), hn::Set(floats, kFar));
-    const auto whole = hn::ConvertTo(ints, hn::Add(limited, hn::Set(floats, kFar + 0.5F)));
-    const auto narrow = hn::DemoteTo(shorts, hn::Sub(whole, hn::Set(ints, static_cast<std::int32_t>(kFar))));
-    hn::StoreU(narrow, shorts, expected + u);
-    hn::StoreU(plane.reliable ? narrow : none, shorts, reliable + u);
-  }
-}
-
-void expect_pixels(const int* labels, const std::vector<PriorPlane>& planes, int v, RowPrior& prior) {
-  std::int16_t* const expected = prior.expected.data();
-  std::int16_t* const reliable = prior.reliable.data();
-  for (int begin = 0, end = 0; begin < prior.width; begin = end) {
-    const int label = labels[begin];
-    while (end < prior.width && labels[end] == label) ++end;
-    if (label < 0) {
-      std::fill(expected + begin, expected + end, RowPrior::kNone);
-      std::fill(reliable + begin, reliable + end, RowPrior::kNone);
-    } else {
-      expect(hn::ScalableTag<float>(), planes[static_cast<std::size_t>(label)], v, begin, end, expected, reliable);
-    }
-  }
-}
 
 /// Sets of disparities: bit d of the words.
 using Bits = std::vector<std::uint64_t>;
@@ -93,7 +57,7 @@ void for_each(const Bits& bits, const Visit& visit) {
 class RowMatcher {
  public:
   RowMatcher(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
-             const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, RowScratch& scratch)
+             const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, RowSearch& scratch)
       : direction_(view == View::left ? -1 : 1),
         width_(image.width()),
         image_(image.row(v)),
@@ -125,7 +89,7 @@ class RowMatcher {
   }
 
   /// @param count at most lanes().
-  void match(int first, std::size_t count, RowScratch& found) {
+  void match(int first, std::size_t count, RowSearch& found) {
     if (!collect(first, count)) return;
     prepare(first, count);
     search(first, count, found);
@@ -191,14 +155,14 @@ class RowMatcher {
     }
   }
 
-  void search(int first, std::size_t count, RowScratch& found) {
+  void search(int first, std::size_t count, RowSearch& found) {
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t u = static_cast<std::size_t>(first) + i;
       if (prior_.wanted[u] != 0) search_pixel(static_cast<int>(u), i, found);
     }
   }
 
-  void search_pixel(int u, std::size_t i, RowScratch& found) {
+  void search_pixel(int u, std::size_t i, RowSearch& found) {
     const std::uint64_t* const nearby = grid_.at(u, v_);
     const auto cost = [&](int d) { return static_cast<std::int16_t>(compute_cost(image_[u], other_[u + direction_ * d])); };
     const auto at = static_cast<std::size_t>(u);
@@ -296,7 +260,7 @@ class RowMatcher {
     return nearby;
   }
 
-  void search(int first, std::size_t /*count*/, RowScratch& found) {
+  void search(int first, std::size_t /*count*/, RowSearch& found) {
     const Signed d16;
     const std::size_t lanes16 = hn::Lanes(d16);
     const auto expected = hn::Load(d16, expected_.data());
@@ -389,78 +353,8 @@ class RowMatcher {
   HWY_ALIGN std::array<std::int16_t, kMostLanes> cell_of_{};  ///< index in cells_
 };
 
-/// The last step for the pixels of a row: which are certain, and where between whole numbers they lie.
-class RowFinisher {
- public:
-  RowFinisher(View view, int width, const RowScratch& found, const RowPrior& prior, const ElasParams& params)
-      : from_left_(view == View::left),
-        width_(width),
-        found_(found),
-        prior_(prior),
-        max_disparity_(static_cast<float>(params.max_disparity)),
-        margin_(params.match_margin > 0.0),
-        keep_(static_cast<float>(1.0 - params.match_margin)),
-        subpixel_(params.subpixel) {}
-
-  /// Pixels [u, u + lanes of the tag).
-  template <class D>
-  void finish(D floats, int u, float* disparity) const {
-    const auto at = static_cast<std::size_t>(u);
-    const hn::Rebind<std::int16_t, D> shorts;
-    const hn::Rebind<std::int32_t, D> ints;
-    const auto load = [&](const std::vector<std::int16_t>& row) {
-      return hn::ConvertTo(floats, hn::PromoteTo(ints, hn::LoadU(shorts, row.data() + at)));
-    };
-    const auto none = hn::Set(floats, static_cast<float>(kNoEnergy));
-    const auto energy = load(found_.energy);
-    const auto rival = load(found_.rival);
-    const auto whole = load(found_.disparity);
-    const auto wanted = hn::PromoteTo(ints, hn::LoadU(hn::Rebind<std::uint8_t, D>(), prior_.wanted.data() + at));
-    auto valid = hn::And(hn::Ne(energy, none), hn::RebindMask(floats, hn::Ne(wanted, hn::Zero(ints))));
-    if (margin_) {
-      const auto certain = hn::Lt(energy, hn::Mul(hn::Set(floats, keep_), rival));
-      valid = hn::And(valid, hn::Or(hn::Eq(rival, none), certain));
-    }
-    const auto result = subpixel_ ? refine(floats, u, whole) : whole;
-    hn::StoreU(hn::IfThenElse(valid, result, hn::Set(floats, kInvalidDisparity)), floats, disparity + u);
-  }
-
- private:
-  /// Moves a disparity by up to half a pixel, to the tip of two lines of equal and opposite slope through the costs of it and
-  /// its neighbours: an L1 cost is such a wedge, not a parabola.
-  template <class D>
-  hn::Vec<D> refine(D floats, int u, hn::Vec<D> whole) const {
-    const hn::Rebind<std::int16_t, D> shorts;
-    const hn::Rebind<std::int32_t, D> ints;
-    const auto load = [&](const std::vector<std::int16_t>& row) {
-      return hn::ConvertTo(floats, hn::PromoteTo(ints, hn::LoadU(shorts, row.data() + u)));
-    };
-    const auto below = load(found_.cost_below);
-    const auto above = load(found_.cost_above);
-    const auto rise = hn::Sub(hn::Max(below, above), load(found_.cost));
-    const auto columns = hn::Iota(floats, static_cast<float>(u));
-    const auto room = from_left_ ? columns : hn::Sub(hn::Set(floats, static_cast<float>(width_ - 1)), columns);
-    const auto largest = hn::Min(room, hn::Set(floats, max_disparity_));
-    const auto inside = hn::And(hn::Ge(whole, hn::Set(floats, 1.0F)), hn::Lt(whole, largest));
-    const auto half = hn::Set(floats, 0.5F);
-    const auto shift = hn::Div(hn::Sub(below, above), hn::Add(rise, rise));
-    const auto moved = hn::Add(whole, hn::Max(hn::Neg(half), hn::Min(half, shift)));
-    return hn::IfThenElse(hn::And(inside, hn::Gt(rise, hn::Zero(floats))), moved, whole);
-  }
-
-  bool from_left_;
-  int width_;
-  const RowScratch& found_;
-  const RowPrior& prior_;
-  float max_disparity_;
-  bool margin_;
-  float keep_;
-  bool subpixel_;
-};
-
-void match_row(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
-               const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, RowScratch& found,
-               float* disparity) {
+void search_pixels(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
+                   const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, RowSearch& found) {
   RowMatcher matcher(view, image, other, v, prior, grid, penalty, params, found);
   const int width = image.width();
   const auto lanes = static_cast<int>(RowMatcher::lanes());
@@ -469,12 +363,6 @@ void match_row(View view, const DescriptorImage& image, const DescriptorImage& o
   found.rival.assign(size, kNoEnergy);
   for (auto* row : {&found.disparity, &found.cost_below, &found.cost, &found.cost_above}) row->resize(size);
   for (int u = 0; u < width; u += lanes) matcher.match(u, static_cast<std::size_t>(std::min(lanes, width - u)), found);
-  const RowFinisher finisher(view, width, found, prior, params);
-  const hn::ScalableTag<float> floats;
-  const auto step = static_cast<int>(hn::Lanes(floats));
-  int u = 0;
-  for (; u + step <= width; u += step) finisher.finish(floats, u, disparity);
-  for (; u < width; ++u) finisher.finish(hn::CappedTag<float, 1>(), u, disparity);
 }
 
 }  // namespace
@@ -484,17 +372,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace brink {
 
-HWY_EXPORT(expect_pixels);
-HWY_EXPORT(match_row);
+HWY_EXPORT(search_pixels);
 
-void expect_row(const int* labels, const std::vector<PriorPlane>& planes, int v, RowPrior& prior) {
-  HWY_DYNAMIC_DISPATCH(expect_pixels)(labels, planes, v, prior);
-}
-
-void match_dense_row(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
-                     const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, RowScratch& scratch,
-                     float* disparity) {
-  HWY_DYNAMIC_DISPATCH(match_row)(view, image, other, v, prior, grid, penalty, params, scratch, disparity);
+void search_row(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
+                const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, RowSearch& search) {
+  HWY_DYNAMIC_DISPATCH(search_pixels)(view, image, other, v, prior, grid, penalty, params, search);
 }
 
 }  // namespace brink
