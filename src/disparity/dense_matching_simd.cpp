@@ -70,13 +70,9 @@ class RowMatcher {
         max_disparity_(params.max_disparity),
         candidates_(scratch.candidates),
         looked_at_(scratch.looked_at),
-        cells_(scratch.cells),
-        costs_(scratch.costs),
-        energies_(scratch.energies) {
+        cells_(scratch.cells) {
     candidates_.resize(static_cast<std::size_t>(max_disparity_) / 64 + 1);
     looked_at_.resize(candidates_.size());
-    costs_.resize(static_cast<std::size_t>(max_disparity_ + 1) * lanes());
-    energies_.resize(costs_.size());
   }
 
   /// Pixels that are matched together.
@@ -166,24 +162,27 @@ class RowMatcher {
     const std::uint64_t* const nearby = grid_.at(u, v_);
     const auto cost = [&](int d) { return static_cast<std::int16_t>(compute_cost(image_[u], other_[u + direction_ * d])); };
     const auto at = static_cast<std::size_t>(u);
-    std::size_t number = 0;
+    int earlier = kNoEnergy;
+    int last_energy = kNoEnergy;
+    int last = -2;
     for_each(candidates_, [&](int d) {
       if (d > largest_[i] || !(contains(nearby, d) || std::abs(d - expected_[i]) <= radius_)) return;
       const auto off = static_cast<std::size_t>(std::abs(d - reliable_[i]));
       const int penalty = off < penalty_.near_plane.size() ? penalty_.near_plane[off] : penalty_.elsewhere;
-      energies_[number] = static_cast<std::int16_t>(Penalty::kUnits * cost(d) + penalty);
-      costs_[number] = static_cast<std::int16_t>(d);
-      if (energies_[number] < found.energy[at]) {
-        found.energy[at] = energies_[number];
+      const int energy = Penalty::kUnits * cost(d) + penalty;
+      if (energy < found.energy[at]) {
+        found.rival[at] = static_cast<std::int16_t>(last == d - 1 ? earlier : std::min(earlier, last_energy));
+        found.energy[at] = static_cast<std::int16_t>(energy);
         found.disparity[at] = static_cast<std::int16_t>(d);
+      } else if (d - found.disparity[at] > 1) {
+        found.rival[at] = static_cast<std::int16_t>(std::min<int>(found.rival[at], energy));
       }
-      ++number;
+      earlier = std::min(earlier, last_energy);
+      last_energy = energy;
+      last = d;
     });
-    if (number == 0) return;
+    if (found.energy[at] == kNoEnergy) return;
     const int best = found.disparity[at];
-    for (std::size_t k = 0; k < number; ++k) {
-      if (std::abs(costs_[k] - best) > 1) found.rival[at] = std::min(found.rival[at], energies_[k]);
-    }
     found.cost[at] = cost(best);
     if (best > 0) found.cost_below[at] = cost(best - 1);
     if (best < largest_[i]) found.cost_above[at] = cost(best + 1);
@@ -271,14 +270,22 @@ class RowMatcher {
     const auto too_far = hn::Set(d16, static_cast<std::int16_t>(radius_ + 1));
     const auto none = hn::Set(d16, kNoEnergy);
 
+    // In one pass from small disparities to large ones; what lies 1 px beside the best is no rival.
     auto best = none;
     auto best_disparity = hn::Zero(d16);
-    std::int16_t* costs = costs_.data();
-    std::int16_t* energies = energies_.data();
+    auto rival = none;
+    auto below = hn::Zero(d16);
+    auto at = hn::Zero(d16);
+    auto above = hn::Zero(d16);
+    auto previous_cost = hn::Zero(d16);
+    auto last_energy = none;  // of the last candidate, `last`
+    auto earlier = none;      // least of all candidates before that
+    int last = -2;
     for_each(looked_at_, [&](int d) {
       const auto disparity = hn::Set(d16, static_cast<std::int16_t>(d));
+      const auto off_best = hn::Sub(disparity, best_disparity);
       const auto cost = compute_costs(first, d);
-      auto energy = none;
+      above = hn::IfThenElse(hn::Eq(off_best, one), cost, above);
       if (contains(candidates_.data(), d)) {
         const auto off = hn::Abs(hn::Sub(disparity, reliable));
         auto penalty = hn::Set(d16, penalty_.elsewhere);
@@ -290,33 +297,20 @@ class RowMatcher {
         auto allowed = hn::Lt(disparity, too_large);
         const auto near_plane = hn::Lt(hn::Abs(hn::Sub(disparity, expected)), too_far);
         allowed = hn::And(allowed, hn::Or(near_plane, find_nearby(cell_of, d)));
-        energy = hn::IfThenElse(allowed, hn::Add(hn::ShiftLeft<2>(cost), penalty), none);
+        const auto energy = hn::IfThenElse(allowed, hn::Add(hn::ShiftLeft<2>(cost), penalty), none);
         const auto less = hn::Lt(energy, best);
+        const auto at_least_two_below = last == d - 1 ? earlier : hn::Min(earlier, last_energy);
+        rival = hn::IfThenElse(hn::Gt(off_best, one), hn::Min(rival, energy), rival);
+        rival = hn::IfThenElse(less, at_least_two_below, rival);
         best = hn::IfThenElse(less, energy, best);
         best_disparity = hn::IfThenElse(less, disparity, best_disparity);
+        below = hn::IfThenElse(less, previous_cost, below);
+        at = hn::IfThenElse(less, cost, at);
+        earlier = hn::Min(earlier, last_energy);
+        last_energy = energy;
+        last = d;
       }
-      hn::StoreU(cost, d16, costs);
-      hn::StoreU(energy, d16, energies);
-      costs += lanes16;
-      energies += lanes16;
-    });
-
-    auto rival = none;
-    auto below = hn::Zero(d16);
-    auto at = hn::Zero(d16);
-    auto above = hn::Zero(d16);
-    costs = costs_.data();
-    energies = energies_.data();
-    for_each(looked_at_, [&](int d) {
-      const auto cost = hn::LoadU(d16, costs);
-      const auto energy = hn::LoadU(d16, energies);
-      const auto off = hn::Sub(hn::Set(d16, static_cast<std::int16_t>(d)), best_disparity);
-      rival = hn::Min(rival, hn::IfThenElse(hn::Gt(hn::Abs(off), one), energy, none));
-      below = hn::IfThenElse(hn::Eq(off, hn::Neg(one)), cost, below);
-      at = hn::IfThenElse(hn::Eq(off, hn::Zero(d16)), cost, at);
-      above = hn::IfThenElse(hn::Eq(off, one), cost, above);
-      costs += lanes16;
-      energies += lanes16;
+      previous_cost = cost;
     });
 
     const auto store = [&](auto values, std::vector<std::int16_t>& row) {
@@ -345,8 +339,6 @@ class RowMatcher {
   Bits& candidates_;
   Bits& looked_at_;
   std::vector<const std::uint64_t*>& cells_;  ///< the words of the cells that the pixels lie in
-  std::vector<std::int16_t>& costs_;
-  std::vector<std::int16_t>& energies_;
   HWY_ALIGN std::array<std::int16_t, kMostLanes> expected_{};
   HWY_ALIGN std::array<std::int16_t, kMostLanes> reliable_{};
   HWY_ALIGN std::array<std::int16_t, kMostLanes> largest_{};

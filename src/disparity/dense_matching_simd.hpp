@@ -25,8 +25,6 @@ struct RowSearch {
   std::vector<std::uint64_t> candidates;  ///< sets of disparities: bit d of the words
   std::vector<std::uint64_t> looked_at;
   std::vector<const std::uint64_t*> cells;  ///< whose sets are united
-  std::vector<std::int16_t> costs;          ///< of the disparities that are looked at, as many as a vector has lanes each
-  std::vector<std::int16_t> energies;
 };
 
 /// Searches the best disparities of the pixels of row v.
