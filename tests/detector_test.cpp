@@ -317,7 +317,8 @@ TEST(Detector, RemembersOnlyWhatItTold) {
       const Eigen::Vector3d ahead(0.0, -0.5, std::sqrt(0.75));
       cv::Mat1f disparity = hole_disparity(1.6, 30.0, 3.0 - walked_m);
       if (i >= 5) disparity.setTo(kInvalidDisparity, disparity != level);
-      detection = detector.process(at_pose(depth_frame(disparity, i), i, Eigen::Isometry3d(Eigen::Translation3d(walked_m * ahead))));
+      detection =
+          detector.process(at_pose(depth_frame(disparity, i), i, Eigen::Isometry3d(Eigen::Translation3d(walked_m * ahead))));
     }
     return detection;
   };

@@ -49,9 +49,9 @@ std::string to_string(FrameStatus status);
 struct NegativeObstacle {
   int id = 0;  ///< unique in its run; for stills unique in its frame
   Candidate candidate;
-  int track_length = 1;               ///< sightings in a row
-  double unseen_s = 0.0;              ///< since the last sighting; > 0: it is remembered, not seen in this frame
-  std::optional<double> probability;  ///< that it is there, 0..1; empty when it is not known
+  int track_length = 1;                  ///< sightings in a row
+  double unseen_s = 0.0;                 ///< since the last sighting; > 0: it is remembered, not seen in this frame
+  std::optional<double> probability;     ///< that it is there, 0..1; empty when it is not known
   std::optional<double> time_to_edge_s;  ///< compute_time_to_edge; empty, too, where motion or ground is not known
 };
 
