@@ -88,7 +88,7 @@ class RowMatcher {
   void match(int first, std::size_t count, RowSearch& found) {
     if (!collect(first, count)) return;
     prepare(first, count);
-    search(first, count, found);
+    search(first, found);
   }
 
  private:
@@ -151,10 +151,10 @@ class RowMatcher {
     }
   }
 
-  void search(int first, std::size_t count, RowSearch& found) {
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t u = static_cast<std::size_t>(first) + i;
-      if (prior_.wanted[u] != 0) search_pixel(static_cast<int>(u), i, found);
+  void search(int first, RowSearch& found) {
+    for (std::size_t i = 0; i < lanes(); ++i) {
+      const int u = first + static_cast<int>(i);
+      if (u < width_ && prior_.wanted[static_cast<std::size_t>(u)] != 0) search_pixel(u, i, found);
     }
   }
 
@@ -259,9 +259,8 @@ class RowMatcher {
     return nearby;
   }
 
-  void search(int first, std::size_t /*count*/, RowSearch& found) {
+  void search(int first, RowSearch& found) {
     const Signed d16;
-    const std::size_t lanes16 = hn::Lanes(d16);
     const auto expected = hn::Load(d16, expected_.data());
     const auto reliable = hn::Load(d16, reliable_.data());
     const auto cell_of = hn::Load(d16, cell_of_.data());
@@ -350,7 +349,7 @@ void search_pixels(View view, const DescriptorImage& image, const DescriptorImag
   RowMatcher matcher(view, image, other, v, prior, grid, penalty, params, found);
   const int width = image.width();
   const auto lanes = static_cast<int>(RowMatcher::lanes());
-  const auto size = static_cast<std::size_t>(width + lanes);
+  const std::size_t size = static_cast<std::size_t>(width) + RowMatcher::lanes();
   found.energy.assign(size, kNoEnergy);
   found.rival.assign(size, kNoEnergy);
   for (auto* row : {&found.disparity, &found.cost_below, &found.cost, &found.cost_above}) row->resize(size);

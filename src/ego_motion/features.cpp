@@ -147,10 +147,11 @@ std::vector<Extremum> keep_strongest(const std::vector<Extremum>& extrema, cv::S
   const int columns = size.width / bucket + 1;
   const int rows = size.height / bucket + 1;
   const auto square_of = [&](const Extremum& extremum) {
-    return static_cast<std::size_t>(extremum.place.y / bucket * columns + extremum.place.x / bucket);
+    const int square = extremum.place.y / bucket * columns + extremum.place.x / bucket;
+    return static_cast<std::size_t>(square);
   };
   // Counted, then put in their places: those of a square stay in their order.
-  std::vector<std::size_t> begins(static_cast<std::size_t>(columns * rows) + 1, 0);
+  std::vector<std::size_t> begins(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows) + 1, 0);
   for (const Extremum& extremum : extrema) ++begins[square_of(extremum) + 1];
   std::partial_sum(begins.begin(), begins.end(), begins.begin());
   std::vector<std::size_t> next = begins;
