@@ -191,7 +191,7 @@ void Detector::estimate_ego_motion(const Frame& frame, Detection& detection) {
 }
 
 // Without a picture the motion cannot be measured; what both grounds tell of it is enough to follow what is seen from frame to
-// frame. Never in place of a measurement that failed: that ends all tracks.
+// frame. Never in place of a measurement that failed.
 void Detector::align_grounds(const Frame& frame, Detection& detection) {
   std::optional<GroundPose> ground;
   if (detection.ground.plane) ground = detection.ground.pose;

@@ -111,7 +111,7 @@ class Detector {
   ///         unless params.stills, when its time is not after the last one's.
   [[nodiscard]] Detection process(const Frame& frame);
 
-  /// A frame that could not be read or processed. All tracks end: what was not seen is not known.
+  /// A frame that could not be read or processed. Nothing is told of it but that; tracks outlive it for tracking.max_blind_s.
   /// @param status not ok. @throws std::invalid_argument as process does for the time.
   [[nodiscard]] Detection process_failed(int frame, double time, FrameStatus status, const std::string& reason);
 

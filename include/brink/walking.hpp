@@ -14,9 +14,8 @@ namespace brink {
 /// a single motion tells little of where its bearer goes.
 class WalkEstimator {
  public:
-  /// @param current_from_previous left camera frames of the last call and of this one, m; empty = not known, which ends what
-  /// was
-  ///        known of the walk.
+  /// @param current_from_previous left camera frames of the last call and of this one, m; empty = not known: what was known of
+  ///        the walk is forgotten.
   /// @param time s, after the last call's.
   void update(const std::optional<Eigen::Isometry3d>& current_from_previous, double time);
 
@@ -37,8 +36,7 @@ class WalkEstimator {
 /// @param rim points of it in the left camera frame, m. @param velocity of the camera, m/s in the same frame.
 /// @param path_width_m breadth of the strip of ground that is walked on.
 /// @return empty when that strip misses the rim's convex hull or has left it behind, when he hardly moves (below 0.2 m/s), and
-/// for
-///         an empty rim.
+///         for an empty rim.
 std::optional<double> compute_time_to_edge(const std::vector<Eigen::Vector3d>& rim, const Eigen::Vector3d& velocity,
                                            const GroundPose& ground, double path_width_m);
 
