@@ -72,9 +72,22 @@ TEST_F(Walk, GoesOnAfterAMissingFrame) {
   ASSERT_EQ(frames.size(), static_cast<std::size_t>(kFrames));
   EXPECT_EQ(frames[4]["status"], "no_picture");
   EXPECT_EQ(frames[4]["ground"]["state"], "not_visible");
-  EXPECT_TRUE(frames[5]["obstacles"].empty());  // what was not seen must be validated anew
+  EXPECT_TRUE(frames[4]["obstacles"].empty());
+  EXPECT_FALSE(frames[5]["obstacles"].empty()) << "validated before, and followed over one frame";
   EXPECT_FALSE(frames[11]["obstacles"].empty());
   EXPECT_NE(result.errors.find("image_2/000004.png"), std::string::npos) << result.errors;
+}
+
+TEST_F(Walk, ByThePapersRulesWhatAMissingFrameDidNotShowIsValidatedAnew) {
+  const TemporaryFolder folder;
+  const std::string walk = copy_to(folder);
+  fs::remove(walk + "/image_2/000005.png");
+  const CommandResult result = run_command("detect --method paper " + walk);
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const std::vector<Json> frames = detections_of(result.output);
+  EXPECT_FALSE(frames[4]["obstacles"].empty());
+  EXPECT_TRUE(frames[6]["obstacles"].empty());
+  for (const Json& track : frames[6]["tracks"]) EXPECT_EQ(track["track_length"], 1);
 }
 
 TEST_F(Walk, WorksWithOneFrame) {
