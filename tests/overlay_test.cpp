@@ -167,7 +167,7 @@ TEST(EnvelopeDiagram, TintsWhatLiesBelowTheLine) {
   const cv::Rect tinted = cv::boundingRect(changed);
   EXPECT_NEAR(tinted.y, 50 + 0.402 * 440, 5);
   EXPECT_NEAR(tinted.br().y, 50 + 440, 5);
-  EXPECT_NEAR(tinted.width, 820 / 2, 10);
+  EXPECT_NEAR(tinted.width, 410, 10);
 }
 
 TEST(Overlays, DrawTheSmallestPictures) {

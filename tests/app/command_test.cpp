@@ -262,12 +262,12 @@ TEST(Bench, ResizesPicturesToTheSameShape) {
   const Json whole = Json::parse(run_command("bench " + pair + " --repeat 1 --json").output);
   const int width = whole["width"].get<int>();
   const int height = whole["height"].get<int>();
-  const std::string half = std::to_string(width / 2) + "x" + std::to_string(height / 2);
+  const std::string half = fmt::format("{}x{}", width / 2, height / 2);
   const Json json = Json::parse(run_command("bench " + pair + " --repeat 1 --json --size " + half).output);
   EXPECT_EQ(json["width"], width / 2);
   EXPECT_EQ(json["height"], height / 2);
   for (const std::string wrong : {"640", "640x", "axb", "640x360x2", "9x9", "640x640"}) {
-    const CommandResult result = run_command("bench " + pair + " --repeat 1 --size " + wrong);
+    const CommandResult result = run_command(fmt::format("bench {} --repeat 1 --size {}", pair, wrong));
     EXPECT_EQ(result.exit_code, 2) << wrong;
     EXPECT_NE(result.errors.find("--size"), std::string::npos) << wrong;
     EXPECT_TRUE(result.output.empty()) << wrong;

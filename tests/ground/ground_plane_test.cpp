@@ -136,8 +136,10 @@ TEST(Elevation, IsNanWhereThereIsNoDisparity) {
 TEST(Elevation, EqualsItsTwinOnEveryTarget) {
   cv::RNG random(5);
   for (const int width : {1, 3, 8, 67}) {
-    std::vector<float> disparity;
-    for (int u = 0; u < width; ++u) disparity.push_back(u % 5 == 0 ? kInvalidDisparity : random.uniform(0.0F, 60.0F));
+    std::vector<float> disparity(static_cast<std::size_t>(width), kInvalidDisparity);
+    for (std::size_t u = 0; u < disparity.size(); ++u) {
+      if (u % 5 != 0) disparity[u] = random.uniform(0.0F, 60.0F);
+    }
     const std::vector<float> expected = reference::naive_elevation_row(disparity, 1.62F, 21.3F, -0.031F);
     test::for_each_target([&] {
       std::vector<float> elevation(disparity.size());

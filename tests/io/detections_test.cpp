@@ -337,7 +337,7 @@ TEST(ReadDetections, LeavesOutEmptyLinesAndFieldsThatItDoesNotKnow) {
 std::string fault_of(const std::string& text) {
   const test::TemporaryFolder folder;
   const std::string path = folder.add("d.jsonl", text);
-  const std::string fault = test::error_of<std::runtime_error>([&] { read_detections(path); });
+  std::string fault = test::error_of<std::runtime_error>([&] { read_detections(path); });
   EXPECT_TRUE(fault.starts_with(path + ": ")) << fault;
   return fault;
 }
