@@ -21,7 +21,6 @@
 
 #include "add_differences_simd.hpp"
 #include "disparity/consistency.hpp"
-#include "disparity/delaunay.hpp"
 #include "disparity/dense_matching.hpp"
 #include "disparity/descriptors.hpp"
 #include "disparity/postprocess.hpp"
@@ -84,11 +83,7 @@ double count_support_costs(const SupportGrid& grid, int width, const ElasParams&
 double count_dense_costs(View view, const DescriptorImage& image, const std::vector<SupportPoint>& points,
                          const ElasParams& params) {
   const cv::Size size(image.width(), image.height());
-  const std::vector<Triangle> triangles = triangulate(points);
-  const std::vector<PriorPlane> planes = fit_planes(view, points, triangles);
-  const cv::Mat1i labels = label_triangles(points, triangles, size);
-  const CandidateGrid grid = make_candidate_grid(points, size, params);
-  const cv::Mat1b textured = find_textured(image, params);
+  const auto [planes, labels, grid, textured] = make_dense_prior(view, image, points, params);
   const int radius = static_cast<int>(make_penalty(params).near_plane.size()) - 1;
   double costs = 0.0;
   for (int v = 0; v < size.height; ++v) {

@@ -133,14 +133,20 @@ Penalty make_penalty(const ElasParams& params) {
   return result;
 }
 
+DensePrior make_dense_prior(View view, const DescriptorImage& image, const std::vector<SupportPoint>& points,
+                            const ElasParams& params) {
+  const cv::Size size(image.width(), image.height());
+  const std::vector<Triangle> triangles = triangulate(points);
+  return {.planes = fit_planes(view, points, triangles),
+          .labels = label_triangles(points, triangles, size),
+          .grid = make_candidate_grid(points, size, params),
+          .textured = find_textured(image, params)};
+}
+
 cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorImage& other,
                       const std::vector<SupportPoint>& points, const ElasParams& params) {
   const cv::Size size(image.width(), image.height());
-  const std::vector<Triangle> triangles = triangulate(points);
-  const std::vector<PriorPlane> planes = fit_planes(view, points, triangles);
-  const cv::Mat1i labels = label_triangles(points, triangles, size);
-  const CandidateGrid grid = make_candidate_grid(points, size, params);
-  const cv::Mat1b textured = find_textured(image, params);
+  const DensePrior known = make_dense_prior(view, image, points, params);
   const Penalty penalty = make_penalty(params);
 
   cv::Mat1f disparity(size);
@@ -148,9 +154,9 @@ cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorI
     RowPrior prior(size.width);
     RowSearch search;
     for (int v = rows.begin(); v < rows.end(); ++v) {
-      expect_row(labels[v], planes, v, prior);
-      want_row(textured[v], labels[v], params.match_outside, prior);
-      search_row(view, image, other, v, prior, grid, penalty, params, search);
+      expect_row(known.labels[v], known.planes, v, prior);
+      want_row(known.textured[v], known.labels[v], params.match_outside, prior);
+      search_row(view, image, other, v, prior, known.grid, penalty, params, search);
       finish_row(view, search, prior, params, disparity[v]);
     }
   });

@@ -67,6 +67,16 @@ Penalty make_penalty(const ElasParams& params);
 /// textured surface may have none by chance, and one without any surface may have some by noise; their surroundings tell.
 cv::Mat1b find_textured(const DescriptorImage& image, const ElasParams& params);
 
+/// What is known of the pixels of a view before they are matched.
+struct DensePrior {
+  std::vector<PriorPlane> planes;
+  cv::Mat1i labels;  ///< of the planes: label_triangles
+  CandidateGrid grid;
+  cv::Mat1b textured;
+};
+DensePrior make_dense_prior(View view, const DescriptorImage& image, const std::vector<SupportPoint>& points,
+                            const ElasParams& params);
+
 /// The most probable disparity of every pixel of a view, given its plane and the descriptors (ACCV 2010, section 4;
 /// algorithms.md A.6). @param points of that view.
 /// @return kInvalidDisparity without texture, where the match is ambiguous, and where there is no candidate.

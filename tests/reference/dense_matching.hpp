@@ -85,11 +85,7 @@ class PixelMatcher {
 inline cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorImage& other,
                              const std::vector<SupportPoint>& points, const ElasParams& params) {
   const cv::Size size(image.width(), image.height());
-  const std::vector<Triangle> triangles = triangulate(points);
-  const std::vector<PriorPlane> planes = fit_planes(view, points, triangles);
-  const cv::Mat1i labels = label_triangles(points, triangles, size);
-  const CandidateGrid grid = make_candidate_grid(points, size, params);
-  const cv::Mat1b textured = find_textured(image, params);
+  const auto [planes, labels, grid, textured] = make_dense_prior(view, image, points, params);
   const Penalty penalty = make_penalty(params);
   const PixelMatcher matcher(view, image, other, penalty, params);
 
