@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
 #include <tuple>
 
 #include <opencv2/imgproc.hpp>
+
+#include "grouping.hpp"
 
 namespace brink {
 namespace {
@@ -150,23 +151,17 @@ std::vector<Extremum> keep_strongest(const std::vector<Extremum>& extrema, cv::S
     const int square = extremum.place.y / bucket * columns + extremum.place.x / bucket;
     return static_cast<std::size_t>(square);
   };
-  // Counted, then put in their places: those of a square stay in their order.
-  std::vector<std::size_t> begins(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows) + 1, 0);
-  for (const Extremum& extremum : extrema) ++begins[square_of(extremum) + 1];
-  std::partial_sum(begins.begin(), begins.end(), begins.begin());
-  std::vector<std::size_t> next = begins;
-  std::vector<const Extremum*> sorted(extrema.size());
-  for (const Extremum& extremum : extrema) sorted[next[square_of(extremum)]++] = &extremum;
+  const auto square_count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+  Groups squares = group_items(extrema, square_count, square_of);
   std::vector<Extremum> kept;
-  for (std::size_t square = 0; square + 1 < begins.size(); ++square) {
-    const auto begin = sorted.begin() + static_cast<std::ptrdiff_t>(begins[square]);
-    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(begins[square + 1]);
+  for (std::size_t square = 0; square < square_count; ++square) {
+    const auto begin = squares.items.begin() + static_cast<std::ptrdiff_t>(squares.begins[square]);
+    const auto end = squares.items.begin() + static_cast<std::ptrdiff_t>(squares.begins[square + 1]);
     const auto last = begin + std::min<std::ptrdiff_t>(per_bucket, end - begin);
-    // Pointers tell which was found first.
-    std::partial_sort(begin, last, end, [](const Extremum* a, const Extremum* b) {
-      return a->strength != b->strength ? a->strength > b->strength : a < b;
+    std::partial_sort(begin, last, end, [&extrema](std::size_t a, std::size_t b) {
+      return extrema[a].strength != extrema[b].strength ? extrema[a].strength > extrema[b].strength : a < b;
     });
-    for (auto one = begin; one != last; ++one) kept.push_back(**one);
+    for (auto one = begin; one != last; ++one) kept.push_back(extrema[*one]);
   }
   return kept;
 }

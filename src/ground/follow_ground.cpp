@@ -2,7 +2,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <queue>
 #include <span>
 #include <vector>
@@ -10,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "brink/ground.hpp"
+#include "grouping.hpp"
 
 namespace brink {
 namespace {
@@ -77,13 +77,11 @@ Cells collect(const cv::Mat1f& disparity, const Grid& grid, const GroundSurface&
       cells.noise(cell) = static_cast<float>(kSigmas * flat.disparity_sd_px * pose.height_m / d);
     }
   }
-  // Counted, then put in their places, cell by cell.
-  std::vector<std::size_t> begins(static_cast<std::size_t>(grid.size.area()) + 1, 0);
-  for (const Height& height : heights) ++begins[height.cell + 1];
-  std::partial_sum(begins.begin(), begins.end(), begins.begin());
-  std::vector<std::size_t> next = begins;
-  std::vector<float> sorted(heights.size());
-  for (const Height& height : heights) sorted[next[height.cell]++] = height.elevation_m;
+  const auto [begins, order] =
+      group_items(heights, static_cast<std::size_t>(grid.size.area()), [](const Height& height) { return height.cell; });
+  std::vector<float> sorted;
+  sorted.reserve(order.size());
+  for (const std::size_t i : order) sorted.push_back(heights[i].elevation_m);
   for (int row = 0; row < grid.size.height; ++row) {
     for (int column = 0; column < grid.size.width; ++column) {
       const std::size_t cell = index(row, column);
