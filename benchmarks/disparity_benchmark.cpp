@@ -8,6 +8,7 @@
 #include "disparity/delaunay.hpp"
 #include "disparity/dense_matching.hpp"
 #include "disparity/descriptors.hpp"
+#include "disparity/expected_disparities_simd.hpp"
 #include "disparity/postprocess.hpp"
 #include "disparity/support_points.hpp"
 #include "pair.hpp"
@@ -108,8 +109,10 @@ void register_step(const char* name, const auto& step) {
   register_step("elas/triangulate", [](const Pair&, const Steps& steps) { return brink::triangulate(steps.points).size(); });
   register_step("elas/textured",
                 [](const Pair&, const Steps& steps) { return brink::find_textured(steps.left, Steps::params()); });
-  register_step("elas/labels", [](const Pair& pair, const Steps& steps) {
-    return brink::label_triangles(steps.points, brink::triangulate(steps.points), pair.left.size());
+  register_step("elas/expected", [](const Pair& pair, const Steps& steps) {
+    const std::vector<brink::Triangle> triangles = brink::triangulate(steps.points);
+    const std::vector<brink::PriorPlane> planes = brink::fit_planes(brink::View::left, steps.points, triangles);
+    return brink::expect_disparities(steps.points, triangles, planes, pair.left.size());
   });
   register_step("elas/dense_left", [](const Pair&, const Steps& steps) {
     return brink::match_dense(brink::View::left, steps.left, steps.right, steps.points, Steps::params());

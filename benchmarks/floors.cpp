@@ -23,6 +23,7 @@
 #include "disparity/consistency.hpp"
 #include "disparity/dense_matching.hpp"
 #include "disparity/descriptors.hpp"
+#include "disparity/expected_disparities_simd.hpp"
 #include "disparity/postprocess.hpp"
 #include "disparity/support_points.hpp"
 #include "pair.hpp"
@@ -83,7 +84,7 @@ double count_support_costs(const SupportGrid& grid, int width, const ElasParams&
 double count_dense_costs(View view, const DescriptorImage& image, const std::vector<SupportPoint>& points,
                          const ElasParams& params) {
   const cv::Size size(image.width(), image.height());
-  const auto [planes, labels, grid, textured] = make_dense_prior(view, image, points, params);
+  const auto [expectations, textured, grid] = make_dense_prior(view, image, points, params);
   const int radius = static_cast<int>(make_penalty(params).near_plane.size()) - 1;
   double costs = 0.0;
   for (int v = 0; v < size.height; ++v) {
@@ -92,8 +93,8 @@ double count_dense_costs(View view, const DescriptorImage& image, const std::vec
       const std::uint64_t* const cell = grid.at(u, v);
       int candidates = 0;
       for (std::size_t k = 0; k < grid.words; ++k) candidates += std::popcount(cell[k]);
-      if (labels(v, u) >= 0) {
-        const int expected = planes[static_cast<std::size_t>(labels(v, u))].whole_disparity(u, v);
+      if (expectations(v, u) != ExpectedDisparity::kNoPlane) {
+        const int expected = ExpectedDisparity::disparity(expectations(v, u));
         for (int d = std::max(0, expected - radius); d <= std::min(params.max_disparity, expected + radius); ++d) {
           const auto word = static_cast<std::size_t>(d / 64);
           candidates += ((cell[word] >> static_cast<unsigned>(d % 64)) & 1U) == 0 ? 1 : 0;

@@ -12,6 +12,7 @@
 
 #include "disparity/dense_matching_simd.hpp"
 #include "disparity/descriptors_simd.hpp"
+#include "disparity/expected_disparities_simd.hpp"
 
 namespace brink {
 namespace {
@@ -19,37 +20,9 @@ namespace {
 /// Slope along u from which a triangle is taken to span two surfaces.
 constexpr float kMaxSlope = 0.7F;
 
-/// floor(a / b) and ceil(a / b), b > 0.
-int divide_down(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
-int divide_up(int a, int b) { return -divide_down(-a, b); }
-
-/// First and last column of a row that lie inside a triangle or on its edges.
-cv::Range span_of_row(const std::array<SupportPoint, 3>& corners, int v, int width) {
-  int first = 0;
-  int last = width - 1;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const SupportPoint& p = corners[k];
-    const SupportPoint& q = corners[(k + 1) % 3];
-    // Inside: (q - p) x (x - p) >= 0, that is rise * (u - p.u) <= run * (v - p.v).
-    const int rise = q.v - p.v;
-    const int bound = (q.u - p.u) * (v - p.v);
-    if (rise > 0) last = std::min(last, p.u + divide_down(bound, rise));
-    if (rise < 0) first = std::max(first, p.u + divide_up(-bound, -rise));
-  }
-  return {first, last};
-}
-
 std::array<SupportPoint, 3> corners_of(const Triangle& triangle, const std::vector<SupportPoint>& points) {
   const auto corner = [&](std::size_t k) { return points[static_cast<std::size_t>(triangle[k])]; };
   return {corner(0), corner(1), corner(2)};
-}
-
-/// Which pixels of a row are matched: those with texture, in a triangle unless all are.
-void want_row(const uchar* textured, const int* labels, bool outside, RowPrior& prior) {
-  const int least_label = outside ? std::numeric_limits<int>::min() : 0;
-  std::uint8_t* const wanted = prior.wanted.data();
-  for (int u = 0; u < prior.width; ++u)
-    wanted[u] = static_cast<std::uint8_t>((textured[u] != 0 ? 1 : 0) & (labels[u] >= least_label ? 1 : 0));
 }
 
 }  // namespace
@@ -60,7 +33,8 @@ cv::Mat1b find_textured(const DescriptorImage& image, const ElasParams& params) 
   const int window = 2 * params.texture_radius_px + 1;
   cv::Mat1i sum;
   cv::boxFilter(texture, sum, CV_32S, {window, window}, {-1, -1}, false, cv::BORDER_REPLICATE);
-  cv::Mat1b textured;
+  cv::Mat1b padded(texture.rows, texture.cols + kRowPadding);
+  cv::Mat1b textured = padded.colRange(0, texture.cols);
   cv::compare(sum, params.match_texture * window * window, textured, cv::CMP_GE);
   return textured;
 }
@@ -82,19 +56,6 @@ std::vector<PriorPlane> fit_planes(View view, const std::vector<SupportPoint>& p
     planes.push_back({static_cast<float>(a), static_cast<float>(b), static_cast<float>(c), reliable});
   }
   return planes;
-}
-
-cv::Mat1i label_triangles(const std::vector<SupportPoint>& points, const std::vector<Triangle>& triangles, cv::Size size) {
-  cv::Mat1i labels(size, -1);
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const std::array<SupportPoint, 3> corners = corners_of(triangles[i], points);
-    const auto [low, high] = std::minmax({corners[0].v, corners[1].v, corners[2].v});
-    for (int v = std::max(low, 0); v <= std::min(high, size.height - 1); ++v) {
-      const cv::Range span = span_of_row(corners, v, size.width);
-      if (span.start <= span.end) std::fill(labels[v] + span.start, labels[v] + span.end + 1, static_cast<int>(i));
-    }
-  }
-  return labels;
 }
 
 CandidateGrid make_candidate_grid(const std::vector<SupportPoint>& points, cv::Size size, const ElasParams& params) {
@@ -137,10 +98,9 @@ DensePrior make_dense_prior(View view, const DescriptorImage& image, const std::
                             const ElasParams& params) {
   const cv::Size size(image.width(), image.height());
   const std::vector<Triangle> triangles = triangulate(points);
-  return {.planes = fit_planes(view, points, triangles),
-          .labels = label_triangles(points, triangles, size),
-          .grid = make_candidate_grid(points, size, params),
-          .textured = find_textured(image, params)};
+  return {.expected = expect_disparities(points, triangles, fit_planes(view, points, triangles), size),
+          .textured = find_textured(image, params),
+          .grid = make_candidate_grid(points, size, params)};
 }
 
 cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorImage& other,
@@ -151,11 +111,9 @@ cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorI
 
   cv::Mat1f disparity(size);
   tbb::parallel_for(tbb::blocked_range<int>(0, size.height), [&](const tbb::blocked_range<int>& rows) {
-    RowPrior prior(size.width);
     RowSearch search;
     for (int v = rows.begin(); v < rows.end(); ++v) {
-      expect_row(known.labels[v], known.planes, v, prior);
-      want_row(known.textured[v], known.labels[v], params.match_outside, prior);
+      const RowPrior prior{known.expected[v], known.textured[v], size.width, params.match_outside};
       search_row(view, image, other, v, prior, known.grid, penalty, params, search);
       finish_row(view, search, prior, params, disparity[v]);
     }

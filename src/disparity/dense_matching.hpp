@@ -14,6 +14,9 @@
 
 namespace brink {
 
+/// So many pixels behind a row can be read, for vectors that reach beyond its end.
+inline constexpr int kRowPadding = 64;
+
 /// The view whose pixels are matched; the counterpart lies at u - d for the left and at u + d for the right view.
 enum class View : std::uint8_t { left, right };
 
@@ -34,9 +37,6 @@ struct PriorPlane {
 
 /// The plane through the corners of each triangle.
 std::vector<PriorPlane> fit_planes(View view, const std::vector<SupportPoint>& points, const std::vector<Triangle>& triangles);
-
-/// Which triangle each pixel lies in, -1 = none. A pixel on an edge belongs to the later of the two triangles.
-cv::Mat1i label_triangles(const std::vector<SupportPoint>& points, const std::vector<Triangle>& triangles, cv::Size size);
 
 /// Disparities near each part of the picture, whatever the planes say: for each cell a set of bits, bit d = disparity d.
 struct CandidateGrid {
@@ -65,14 +65,14 @@ Penalty make_penalty(const ElasParams& params);
 
 /// Where the mean texture of the window around a pixel is at least match_texture: 255, elsewhere 0. A single pixel on a weakly
 /// textured surface may have none by chance, and one without any surface may have some by noise; their surroundings tell.
+/// @return kRowPadding more pixels can be read behind every row.
 cv::Mat1b find_textured(const DescriptorImage& image, const ElasParams& params);
 
 /// What is known of the pixels of a view before they are matched.
 struct DensePrior {
-  std::vector<PriorPlane> planes;
-  cv::Mat1i labels;  ///< of the planes: label_triangles
+  cv::Mat1s expected;  ///< expect_disparities
+  cv::Mat1b textured;  ///< find_textured
   CandidateGrid grid;
-  cv::Mat1b textured;
 };
 DensePrior make_dense_prior(View view, const DescriptorImage& image, const std::vector<SupportPoint>& points,
                             const ElasParams& params);

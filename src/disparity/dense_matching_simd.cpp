@@ -108,13 +108,13 @@ class RowMatcher {
     if (planes.least <= planes.greatest && planes.greatest - planes.least <= kOneSurface) {
       insert_around(planes.least, planes.greatest);
     } else {
-      for (int u = first; u < end; ++u) insert_around(prior_.expected[static_cast<std::size_t>(u)]);
+      for (int u = first; u < end; ++u) insert_around(ExpectedDisparity::disparity(prior_.expected[u]));
     }
     widen(candidates_, max_disparity_, looked_at_);
     return true;
   }
 
-  /// @param least, greatest of expected disparities; kNone, which is far below 0, inserts nothing.
+  /// @param least, greatest of expected disparities; ExpectedDisparity::kNone, which is far below 0, inserts nothing.
   void insert_around(int least, int greatest) {
     insert(candidates_, std::max(least - radius_, 0), std::min(greatest + radius_, max_disparity_));
   }
@@ -124,19 +124,19 @@ class RowMatcher {
   struct Expected {
     bool any_wanted = false;
     int least = std::numeric_limits<std::int16_t>::max();
-    int greatest = RowPrior::kNone;
+    int greatest = ExpectedDisparity::kNone;
   };
 
 #if HWY_TARGET == HWY_SCALAR
 
   Expected find_expected(int first, std::size_t count) const {
     Expected result;
-    for (std::size_t u = static_cast<std::size_t>(first); u < static_cast<std::size_t>(first) + count; ++u) {
-      if (prior_.wanted[u] == 0) continue;
+    for (int u = first; u < first + static_cast<int>(count); ++u) {
+      if (!prior_.is_wanted(u)) continue;
       result.any_wanted = true;
-      if (prior_.expected[u] == RowPrior::kNone) continue;
-      result.least = std::min<int>(result.least, prior_.expected[u]);
-      result.greatest = std::max<int>(result.greatest, prior_.expected[u]);
+      if (prior_.expected[u] == ExpectedDisparity::kNoPlane) continue;
+      result.least = std::min(result.least, ExpectedDisparity::disparity(prior_.expected[u]));
+      result.greatest = std::max(result.greatest, ExpectedDisparity::disparity(prior_.expected[u]));
     }
     return result;
   }
@@ -145,8 +145,9 @@ class RowMatcher {
     largest_.fill(-1);
     for (std::size_t i = 0; i < count; ++i) {
       const int u = first + static_cast<int>(i);
-      expected_[i] = prior_.expected[static_cast<std::size_t>(u)];
-      reliable_[i] = prior_.reliable[static_cast<std::size_t>(u)];
+      const std::int16_t code = prior_.expected[u];
+      expected_[i] = static_cast<std::int16_t>(ExpectedDisparity::disparity(code));
+      reliable_[i] = ExpectedDisparity::is_reliable(code) ? expected_[i] : ExpectedDisparity::kNone;
       largest_[i] = static_cast<std::int16_t>(std::min(max_disparity_, direction_ < 0 ? u : width_ - 1 - u));
     }
   }
@@ -154,7 +155,7 @@ class RowMatcher {
   void search(int first, RowSearch& found) {
     for (std::size_t i = 0; i < lanes(); ++i) {
       const int u = first + static_cast<int>(i);
-      if (u < width_ && prior_.wanted[static_cast<std::size_t>(u)] != 0) search_pixel(u, i, found);
+      if (u < width_ && prior_.is_wanted(u)) search_pixel(u, i, found);
     }
   }
 
@@ -194,14 +195,15 @@ class RowMatcher {
 
   Expected find_expected(int first, std::size_t count) const {
     const Signed d16;
-    const auto expected = hn::LoadU(d16, prior_.expected.data() + first);
-    const auto wanted8 = hn::LoadU(hn::Rebind<std::uint8_t, Signed>(), prior_.wanted.data() + first);
-    const auto wanted16 = hn::PromoteTo(d16, wanted8);
+    const auto codes = hn::LoadU(d16, prior_.expected + first);
+    const auto expected = hn::ShiftRight<1>(codes);
+    const auto textured8 = hn::LoadU(hn::Rebind<std::uint8_t, Signed>(), prior_.textured + first);
+    const auto textured = hn::Ne(hn::PromoteTo(d16, textured8), hn::Zero(d16));
     const auto inside = hn::Lt(hn::Iota(d16, 0), hn::Set(d16, static_cast<std::int16_t>(count)));
-    const auto wanted = hn::And(inside, hn::Ne(wanted16, hn::Zero(d16)));
-    if (hn::AllFalse(d16, wanted)) return {};
-    const auto none = hn::Set(d16, RowPrior::kNone);
-    const auto known = hn::And(wanted, hn::Ne(expected, none));
+    const auto matchable = hn::And(inside, textured);
+    const auto known = hn::And(matchable, hn::Ne(codes, hn::Set(d16, ExpectedDisparity::kNoPlane)));
+    if (hn::AllFalse(d16, prior_.outside ? matchable : known)) return {};
+    const auto none = hn::Set(d16, ExpectedDisparity::kNone);
     const auto most = hn::Set(d16, std::numeric_limits<std::int16_t>::max());
     const auto least = hn::GetLane(hn::MinOfLanes(d16, hn::IfThenElse(known, expected, most)));
     const auto greatest = hn::GetLane(hn::MaxOfLanes(d16, hn::IfThenElse(known, expected, none)));
@@ -230,8 +232,11 @@ class RowMatcher {
       cells = hn::IfThenElse(hn::Lt(lane_pixels, set(begin)), cells, set(static_cast<int>(k)));
     }
     const auto store = [&](auto pixels, auto& lanes) { hn::Store(to_lanes(pixels), d16, lanes.data()); };
-    store(hn::LoadU(d16, prior_.expected.data() + first), expected_);
-    store(hn::LoadU(d16, prior_.reliable.data() + first), reliable_);
+    const auto codes = hn::LoadU(d16, prior_.expected + first);
+    const auto expected = hn::ShiftRight<1>(codes);
+    const auto is_reliable = hn::Ne(hn::And(codes, set(1)), hn::Zero(d16));
+    store(expected, expected_);
+    store(hn::IfThenElse(is_reliable, expected, set(ExpectedDisparity::kNone)), reliable_);
     store(hn::IfThenElse(inside, hn::Min(room, set(max_disparity_)), set(-1)), largest_);
     store(cells, cell_of_);
   }

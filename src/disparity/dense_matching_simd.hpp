@@ -7,9 +7,22 @@
 #include "brink/disparity.hpp"
 #include "disparity/dense_matching.hpp"
 #include "disparity/descriptors.hpp"
-#include "disparity/row_prior_simd.hpp"
+#include "disparity/expected_disparities_simd.hpp"
 
 namespace brink {
+
+/// What is known of the pixels of a row before they are matched.
+struct RowPrior {
+  const std::int16_t* expected;  ///< the row of expect_disparities
+  const std::uint8_t* textured;  ///< the row of find_textured
+  int width;
+  bool outside;  ///< whether pixels outside all triangles are matched
+
+  /// Whether the pixel is matched.
+  [[nodiscard]] bool is_wanted(int u) const {
+    return textured[u] != 0 && (outside || expected[u] != ExpectedDisparity::kNoPlane);
+  }
+};
 
 /// What the search found for the pixels of a row, and memory that it uses again for the next one.
 struct RowSearch {

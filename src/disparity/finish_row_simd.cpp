@@ -41,8 +41,13 @@ class RowFinisher {
     const auto energy = load(found_.energy);
     const auto rival = load(found_.rival);
     const auto whole = load(found_.disparity);
-    const auto wanted = hn::PromoteTo(ints, hn::LoadU(hn::Rebind<std::uint8_t, D>(), prior_.wanted.data() + at));
-    auto valid = hn::And(hn::Ne(energy, none), hn::RebindMask(floats, hn::Ne(wanted, hn::Zero(ints))));
+    const auto textured = hn::PromoteTo(ints, hn::LoadU(hn::Rebind<std::uint8_t, D>(), prior_.textured + u));
+    auto wanted = hn::Ne(textured, hn::Zero(ints));
+    if (!prior_.outside) {
+      const auto code = hn::PromoteTo(ints, hn::LoadU(shorts, prior_.expected + u));
+      wanted = hn::And(wanted, hn::Ne(code, hn::Set(ints, ExpectedDisparity::kNoPlane)));
+    }
+    auto valid = hn::And(hn::Ne(energy, none), hn::RebindMask(floats, wanted));
     if (margin_) {
       const auto certain = hn::Lt(energy, hn::Mul(hn::Set(floats, keep_), rival));
       valid = hn::And(valid, hn::Or(hn::Eq(rival, none), certain));

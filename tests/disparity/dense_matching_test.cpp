@@ -47,26 +47,6 @@ TEST(DenseMatching, SlopeMustBeSmallInBothViews) {
   EXPECT_FALSE(is_reliable(View::left, 100)) << "upright in the right view";
 }
 
-TEST(DenseMatching, TrianglesLabelTheirPixelsAndEdges) {
-  const std::vector<SupportPoint> points = {{1, 1, 0}, {5, 1, 0}, {1, 5, 0}, {5, 5, 0}};
-  const cv::Mat1i labels = label_triangles(points, {{0, 1, 2}, {1, 3, 2}}, {7, 7});
-  const cv::Mat1i expected = (cv::Mat1i(7, 7) <<  //
-                                  -1,
-                              -1, -1, -1, -1, -1, -1,  //
-                              -1, 0, 0, 0, 0, 1, -1,   //
-                              -1, 0, 0, 0, 1, 1, -1,   //
-                              -1, 0, 0, 1, 1, 1, -1,   //
-                              -1, 0, 1, 1, 1, 1, -1,   //
-                              -1, 1, 1, 1, 1, 1, -1,   //
-                              -1, -1, -1, -1, -1, -1, -1);
-  EXPECT_EQ(cv::countNonZero(labels != expected), 0) << labels;
-}
-
-TEST(DenseMatching, TrianglesMayReachBeyondThePicture) {
-  const cv::Mat1i labels = label_triangles({{-5, -5, 0}, {20, -5, 0}, {-5, 20, 0}}, {{0, 1, 2}}, {6, 5});
-  EXPECT_EQ(cv::countNonZero(labels != 0), 0);
-}
-
 TEST(DenseMatching, CandidatesReachTheNeighboringCellsAndStayInRange) {
   ElasParams params;
   params.max_disparity = 30;

@@ -13,8 +13,10 @@
 #include "disparity/delaunay.hpp"
 #include "disparity/dense_matching.hpp"
 #include "disparity/descriptors.hpp"
+#include "disparity/expected_disparities_simd.hpp"
 
-// The naive twin of disparity/dense_matching_simd.cpp: pixel by pixel, in the words of its header.
+// The naive twins of disparity/dense_matching_simd.cpp and expected_disparities_simd.cpp: pixel by pixel, in the words of their
+// headers.
 namespace brink::reference {
 
 class PixelMatcher {
@@ -82,10 +84,52 @@ class PixelMatcher {
   const ElasParams& params_;
 };
 
+/// Which triangle each pixel lies in, -1 = none. A pixel on an edge belongs to the later of the two triangles.
+inline cv::Mat1i label_triangles(const std::vector<SupportPoint>& points, const std::vector<Triangle>& triangles,
+                                 cv::Size size) {
+  cv::Mat1i labels(size, -1);
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const auto corner = [&](std::size_t k) { return points[static_cast<std::size_t>(triangles[i][k % 3])]; };
+    for (int v = 0; v < size.height; ++v) {
+      for (int u = 0; u < size.width; ++u) {
+        int left_of = 0;
+        int right_of = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+          const SupportPoint p = corner(k);
+          const SupportPoint q = corner(k + 1);
+          const int side = (q.u - p.u) * (v - p.v) - (q.v - p.v) * (u - p.u);
+          if (side < 0) ++left_of;
+          if (side > 0) ++right_of;
+        }
+        if (left_of == 0 || right_of == 0) labels(v, u) = static_cast<int>(i);
+      }
+    }
+  }
+  return labels;
+}
+
+inline cv::Mat1s expect_disparities(const std::vector<SupportPoint>& points, const std::vector<Triangle>& triangles,
+                                    const std::vector<PriorPlane>& planes, cv::Size size) {
+  cv::Mat1s expected(size, ExpectedDisparity::kNoPlane);
+  const cv::Mat1i labels = label_triangles(points, triangles, size);
+  for (int v = 0; v < size.height; ++v) {
+    for (int u = 0; u < size.width; ++u) {
+      if (labels(v, u) < 0) continue;
+      const PriorPlane& plane = planes[static_cast<std::size_t>(labels(v, u))];
+      expected(v, u) = ExpectedDisparity::encode(plane.whole_disparity(u, v), plane.reliable);
+    }
+  }
+  return expected;
+}
+
 inline cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorImage& other,
                              const std::vector<SupportPoint>& points, const ElasParams& params) {
   const cv::Size size(image.width(), image.height());
-  const auto [planes, labels, grid, textured] = make_dense_prior(view, image, points, params);
+  const std::vector<Triangle> triangles = triangulate(points);
+  const std::vector<PriorPlane> planes = fit_planes(view, points, triangles);
+  const cv::Mat1i labels = label_triangles(points, triangles, size);
+  const cv::Mat1b textured = find_textured(image, params);
+  const CandidateGrid grid = make_candidate_grid(points, size, params);
   const Penalty penalty = make_penalty(params);
   const PixelMatcher matcher(view, image, other, penalty, params);
 
