@@ -4,12 +4,14 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+#include <optional>
 
 #include <opencv2/imgproc.hpp>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
+#include "disparity/consistency_simd.hpp"
 #include "disparity/dense_matching_simd.hpp"
 #include "disparity/descriptors_simd.hpp"
 #include "disparity/expected_disparities_simd.hpp"
@@ -24,6 +26,33 @@ std::array<SupportPoint, 3> corners_of(const Triangle& triangle, const std::vect
   const auto corner = [&](std::size_t k) { return points[static_cast<std::size_t>(triangle[k])]; };
   return {corner(0), corner(1), corner(2)};
 }
+
+/// Matches the rows of a view.
+class ViewMatcher {
+ public:
+  ViewMatcher(View view, const DescriptorImage& image, const DescriptorImage& other, const std::vector<SupportPoint>& points,
+              const ElasParams& params)
+      : view_(view),
+        image_(image),
+        other_(other),
+        params_(params),
+        known_(make_dense_prior(view, image, points, params)),
+        penalty_(make_penalty(params)) {}
+
+  void match_row(int v, RowSearch& search, float* disparity) const {
+    const RowPrior prior{known_.expected[v], known_.textured[v], image_.width(), params_.match_outside};
+    search_row(view_, image_, other_, v, prior, known_.grid, penalty_, params_, search);
+    finish_row(view_, search, prior, params_, disparity);
+  }
+
+ private:
+  View view_;
+  const DescriptorImage& image_;
+  const DescriptorImage& other_;
+  const ElasParams& params_;
+  DensePrior known_;
+  Penalty penalty_;
+};
 
 }  // namespace
 
@@ -105,17 +134,33 @@ DensePrior make_dense_prior(View view, const DescriptorImage& image, const std::
 
 cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorImage& other,
                       const std::vector<SupportPoint>& points, const ElasParams& params) {
-  const cv::Size size(image.width(), image.height());
-  const DensePrior known = make_dense_prior(view, image, points, params);
-  const Penalty penalty = make_penalty(params);
-
-  cv::Mat1f disparity(size);
-  tbb::parallel_for(tbb::blocked_range<int>(0, size.height), [&](const tbb::blocked_range<int>& rows) {
+  const ViewMatcher matcher(view, image, other, points, params);
+  cv::Mat1f disparity(image.height(), image.width());
+  tbb::parallel_for(tbb::blocked_range<int>(0, disparity.rows), [&](const tbb::blocked_range<int>& rows) {
     RowSearch search;
+    for (int v = rows.begin(); v < rows.end(); ++v) matcher.match_row(v, search, disparity[v]);
+  });
+  return disparity;
+}
+
+cv::Mat1f match_both_views(const DescriptorImage& left, const DescriptorImage& right, const std::vector<SupportPoint>& points,
+                           const ElasParams& params) {
+  std::optional<ViewMatcher> left_matcher;
+  std::optional<ViewMatcher> right_matcher;
+  tbb::parallel_invoke([&] { left_matcher.emplace(View::left, left, right, points, params); },
+                       [&] { right_matcher.emplace(View::right, right, left, move_to_right_view(points), params); });
+
+  const int width = left.width();
+  const auto threshold = static_cast<float>(params.consistency_threshold_px);
+  cv::Mat1f disparity(left.height(), width);
+  tbb::parallel_for(tbb::blocked_range<int>(0, disparity.rows), [&](const tbb::blocked_range<int>& rows) {
+    RowSearch search;
+    std::vector<float> of_left(static_cast<std::size_t>(width));
+    std::vector<float> of_right(static_cast<std::size_t>(width));
     for (int v = rows.begin(); v < rows.end(); ++v) {
-      const RowPrior prior{known.expected[v], known.textured[v], size.width, params.match_outside};
-      search_row(view, image, other, v, prior, known.grid, penalty, params, search);
-      finish_row(view, search, prior, params, disparity[v]);
+      left_matcher->match_row(v, search, of_left.data());
+      right_matcher->match_row(v, search, of_right.data());
+      check_consistency_row(of_left.data(), of_right.data(), width, threshold, disparity[v]);
     }
   });
   return disparity;

@@ -83,4 +83,9 @@ DensePrior make_dense_prior(View view, const DescriptorImage& image, const std::
 cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorImage& other,
                       const std::vector<SupportPoint>& points, const ElasParams& params);
 
+/// check_consistency of what match_dense finds in the left and in the right view, row by row while the descriptors of the row
+/// are at hand. @param points of the left view.
+cv::Mat1f match_both_views(const DescriptorImage& left, const DescriptorImage& right, const std::vector<SupportPoint>& points,
+                           const ElasParams& params);
+
 }  // namespace brink

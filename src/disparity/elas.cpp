@@ -5,8 +5,6 @@
 
 #include <tbb/parallel_invoke.h>
 
-#include "disparity/consistency.hpp"
-#include "disparity/delaunay.hpp"
 #include "disparity/dense_matching.hpp"
 #include "disparity/descriptors.hpp"
 #include "disparity/parameters.hpp"
@@ -30,14 +28,7 @@ class ElasMatcher : public StereoMatcher {
     const std::vector<SupportPoint> points = find_support_points(left_, right_, params_);
     if (points.size() < 3) return {left.size(), kInvalidDisparity};
 
-    cv::Mat1f left_disparity;
-    cv::Mat1f right_disparity;
-    tbb::parallel_invoke(
-        [&] { left_disparity = match_dense(View::left, left_, right_, points, params_); },
-        [&] { right_disparity = match_dense(View::right, right_, left_, move_to_right_view(points), params_); });
-
-    const auto threshold = static_cast<float>(params_.consistency_threshold_px);
-    return clean_up(check_consistency(left_disparity, right_disparity, threshold));
+    return clean_up(match_both_views(left_, right_, points, params_));
   }
 
  private:

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "disparity/consistency.hpp"
 #include "disparity/synthetic.hpp"
 #include "reference/dense_matching.hpp"
 #include "simd_targets.hpp"
@@ -23,7 +24,10 @@ void expect_equal_to_twin(const SyntheticPair& pair, const ElasParams& params) {
     const std::vector<SupportPoint> moved = move_to_right_view(points);
     const cv::Mat1f expected_left = reference::match_dense(View::left, left, right, points, params);
     const cv::Mat1f expected_right = reference::match_dense(View::right, right, left, moved, params);
+    const cv::Mat1f confirmed =
+        check_consistency(expected_left, expected_right, static_cast<float>(params.consistency_threshold_px));
     test::for_each_target([&] {
+      EXPECT_EQ(cv::countNonZero(match_both_views(left, right, points, params) != confirmed), 0) << left.width();
       EXPECT_EQ(cv::countNonZero(match_dense(View::left, left, right, points, params) != expected_left), 0) << left.width();
       EXPECT_EQ(cv::countNonZero(match_dense(View::right, right, left, moved, params) != expected_right), 0) << left.width();
     });
