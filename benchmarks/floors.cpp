@@ -90,7 +90,7 @@ double count_dense_costs(View view, const DescriptorImage& image, const std::vec
   for (int v = 0; v < size.height; ++v) {
     for (int u = 0; u < size.width; ++u) {
       if (textured(v, u) == 0) continue;
-      const std::uint64_t* const cell = grid.at(u, v);
+      const std::uint64_t* const cell = grid.words_at(u, v);
       int candidates = 0;
       for (std::size_t k = 0; k < grid.words; ++k) candidates += std::popcount(cell[k]);
       if (expectations(v, u) != ExpectedDisparity::kNoPlane) {

@@ -94,14 +94,20 @@ CandidateGrid make_candidate_grid(const std::vector<SupportPoint>& points, cv::S
   grid.cell_px = cell;
   grid.columns = (size.width + cell - 1) / cell;
   grid.words = static_cast<std::size_t>(params.max_disparity) / 64 + 1;
-  grid.bits.assign(static_cast<std::size_t>(grid.columns * rows) * grid.words, 0);
+  const auto cells = static_cast<std::size_t>(grid.columns * rows);
+  grid.bits.assign(cells * grid.words + 1, 0);
+  grid.cells.resize(cells);
+  for (std::size_t k = 0; k < cells; ++k) grid.cells[k] = {k * grid.words, params.max_disparity + 1, -1};
   for (const SupportPoint& point : points) {
+    const int first = std::max(point.disparity - 1, 0);
+    const int last = std::min(point.disparity + 1, params.max_disparity);
     for (int j = std::max(point.v / cell - 1, 0); j <= std::min(point.v / cell + 1, rows - 1); ++j) {
       for (int i = std::max(point.u / cell - 1, 0); i <= std::min(point.u / cell + 1, grid.columns - 1); ++i) {
-        std::uint64_t* const bits = grid.bits.data() + static_cast<std::size_t>(j * grid.columns + i) * grid.words;
-        for (int d = std::max(point.disparity - 1, 0); d <= std::min(point.disparity + 1, params.max_disparity); ++d) {
-          bits[d / 64] |= std::uint64_t{1} << static_cast<unsigned>(d % 64);
-        }
+        CandidateGrid::Cell& near = grid.cells[static_cast<std::size_t>(j * grid.columns + i)];
+        near.first = std::min(near.first, first);
+        near.last = std::max(near.last, last);
+        for (int d = first; d <= last; ++d)
+          grid.bits[near.word + static_cast<std::size_t>(d) / 64] |= std::uint64_t{1} << static_cast<unsigned>(d % 64);
       }
     }
   }

@@ -40,15 +40,23 @@ std::vector<PriorPlane> fit_planes(View view, const std::vector<SupportPoint>& p
 
 /// Disparities near each part of the picture, whatever the planes say: for each cell a set of bits, bit d = disparity d.
 struct CandidateGrid {
+  struct Cell {
+    std::size_t word = 0;  ///< its first, of `words`
+    int first = 0;         ///< smallest and largest disparity of its set; last = -1 when that is empty
+    int last = -1;
+  };
   int cell_px = 1;
   int columns = 0;
+  std::vector<Cell> cells;          ///< row by row
   std::size_t words = 1;            ///< of a cell
-  std::vector<std::uint64_t> bits;  ///< cell by cell, row by row
+  std::vector<std::uint64_t> bits;  ///< cell by cell, and one word more
 
-  /// The first of the words of the cell that a pixel lies in.
-  [[nodiscard]] const std::uint64_t* at(int u, int v) const {
-    return bits.data() + static_cast<std::size_t>(v / cell_px * columns + u / cell_px) * words;
+  /// The cell that a pixel lies in.
+  [[nodiscard]] const Cell& at(int u, int v) const {
+    return cells[static_cast<std::size_t>(v / cell_px * columns + u / cell_px)];
   }
+  [[nodiscard]] const std::uint64_t* words_of(const Cell& cell) const { return bits.data() + cell.word; }
+  [[nodiscard]] const std::uint64_t* words_at(int u, int v) const { return words_of(at(u, v)); }
 };
 
 /// The disparities of the support points in a cell and in its up to 8 neighbours, each with d - 1 and d + 1.

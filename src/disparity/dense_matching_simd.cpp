@@ -14,6 +14,7 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include "disparity/disparity_window.hpp"
 #include "simd/sums_of_differences-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -25,39 +26,11 @@ constexpr std::int16_t kNoEnergy = RowSearch::kNoEnergy;
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Sets of disparities: bit d of the words.
-using Bits = std::vector<std::uint64_t>;
-
-void insert(Bits& bits, int first, int last) {
-  for (int d = first; d <= last; ++d)
-    bits[static_cast<std::size_t>(d) / 64] |= std::uint64_t{1} << static_cast<unsigned>(d % 64);
-}
-
-bool contains(const std::uint64_t* bits, int d) { return ((bits[d / 64] >> static_cast<unsigned>(d % 64)) & 1U) != 0; }
-
-/// With the disparities on both sides of each.
-void widen(const Bits& bits, int largest, Bits& wide) {
-  for (std::size_t k = 0; k < bits.size(); ++k) {
-    wide[k] = bits[k] | bits[k] << 1U | bits[k] >> 1U;
-    if (k > 0) wide[k] |= bits[k - 1] >> 63U;
-    if (k + 1 < bits.size()) wide[k] |= bits[k + 1] << 63U;
-  }
-  const auto left_over = static_cast<unsigned>(largest % 64 + 1);
-  if (left_over < 64) wide.back() &= (std::uint64_t{1} << left_over) - 1;
-}
-
-template <typename Visit>
-void for_each(const Bits& bits, const Visit& visit) {
-  for (std::size_t k = 0; k < bits.size(); ++k) {
-    for (std::uint64_t word = bits[k]; word != 0; word &= word - 1) visit(static_cast<int>(64 * k) + std::countr_zero(word));
-  }
-}
-
 /// Matches the pixels of a row, a vector's worth at a time.
 class RowMatcher {
  public:
   RowMatcher(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
-             const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, RowSearch& scratch)
+             const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params)
       : direction_(view == View::left ? -1 : 1),
         width_(image.width()),
         image_(image.row(v)),
@@ -68,12 +41,8 @@ class RowMatcher {
         penalty_(penalty),
         radius_(static_cast<int>(penalty.near_plane.size()) - 1),
         max_disparity_(params.max_disparity),
-        candidates_(scratch.candidates),
-        looked_at_(scratch.looked_at),
-        cells_(scratch.cells) {
-    candidates_.resize(static_cast<std::size_t>(max_disparity_) / 64 + 1);
-    looked_at_.resize(candidates_.size());
-  }
+        cell_(&grid.at(0, v)),
+        cell_end_(grid.cell_px) {}
 
   /// Pixels that are matched together.
   static std::size_t lanes() {
@@ -84,41 +53,47 @@ class RowMatcher {
 #endif
   }
 
-  /// @param count at most lanes().
+  /// Pixels [first, first + count), at most lanes(). To be called from left to right.
   void match(int first, std::size_t count, RowSearch& found) {
-    if (!collect(first, count)) return;
+    const Expected planes = find_expected(first, count);
+    if (!planes.any_wanted) return;
+    find_cells(first, count);
+    int least = max_disparity_ + 1;
+    int greatest = -1;
+    for (std::size_t k = 0; k < cell_count_; ++k) {
+      least = std::min(least, cells_[k]->first);
+      greatest = std::max(greatest, cells_[k]->last);
+    }
+    if (planes.least <= planes.greatest) {
+      least = std::min(least, std::max(planes.least - radius_, 0));
+      greatest = std::max(greatest, std::min(planes.greatest + radius_, max_disparity_));
+    }
+    if (least > greatest) return;
     prepare(first, count);
-    search(first, found);
+    search(first, count, planes, {least, greatest}, found);
   }
 
  private:
-  /// Unites the candidates of the pixels. @return whether there are any.
-  bool collect(int first, std::size_t count) {
-    const int end = first + static_cast<int>(count);
-    std::fill(candidates_.begin(), candidates_.end(), 0);
-    cells_.clear();
-    for (int u = first; u < end; u = (u / grid_.cell_px + 1) * grid_.cell_px) {
-      cells_.push_back(grid_.at(u, v_));
-      for (std::size_t k = 0; k < candidates_.size(); ++k) candidates_[k] |= cells_.back()[k];
+  /// The cells that the pixels lie in.
+  void find_cells(int first, std::size_t count) {
+    while (cell_end_ <= first) {
+      cell_end_ += grid_.cell_px;
+      ++cell_;
     }
-    const Expected planes = find_expected(first, count);
-    if (!planes.any_wanted) return false;
-    // One range for all of them, as what is a candidate of none is not allowed anywhere later; but not across edges.
-    constexpr int kOneSurface = 8;  // px
-    if (planes.least <= planes.greatest && planes.greatest - planes.least <= kOneSurface) {
-      insert_around(planes.least, planes.greatest);
-    } else {
-      for (int u = first; u < end; ++u) insert_around(ExpectedDisparity::disparity(prior_.expected[u]));
+    cell_count_ = 0;
+    for (int u = cell_end_ - grid_.cell_px; u < first + static_cast<int>(count); u += grid_.cell_px) {
+      cells_[cell_count_] = cell_ + cell_count_;
+      ++cell_count_;
     }
-    widen(candidates_, max_disparity_, looked_at_);
-    return true;
   }
 
-  /// @param least, greatest of expected disparities; ExpectedDisparity::kNone, which is far below 0, inserts nothing.
-  void insert_around(int least, int greatest) {
-    insert(candidates_, std::max(least - radius_, 0), std::min(greatest + radius_, max_disparity_));
-  }
-  void insert_around(int expected) { insert_around(expected, expected); }
+  struct Range {
+    int least = 0;
+    int greatest = 0;
+  };
+
+  /// Largest disparity of a pixel whose counterpart lies in the picture.
+  [[nodiscard]] int room(int u) const { return direction_ < 0 ? u : width_ - 1 - u; }
 
   /// What is expected of the pixels that are wanted; least > greatest when they lie outside all triangles.
   struct Expected {
@@ -148,26 +123,26 @@ class RowMatcher {
       const std::int16_t code = prior_.expected[u];
       expected_[i] = static_cast<std::int16_t>(ExpectedDisparity::disparity(code));
       reliable_[i] = ExpectedDisparity::is_reliable(code) ? expected_[i] : ExpectedDisparity::kNone;
-      largest_[i] = static_cast<std::int16_t>(std::min(max_disparity_, direction_ < 0 ? u : width_ - 1 - u));
+      largest_[i] = static_cast<std::int16_t>(std::min(max_disparity_, room(u)));
     }
   }
 
-  void search(int first, RowSearch& found) {
-    for (std::size_t i = 0; i < lanes(); ++i) {
+  void search(int first, std::size_t count, const Expected& /*planes*/, const Range& candidates, RowSearch& found) const {
+    for (std::size_t i = 0; i < count; ++i) {
       const int u = first + static_cast<int>(i);
-      if (u < width_ && prior_.is_wanted(u)) search_pixel(u, i, found);
+      if (prior_.is_wanted(u)) search_pixel(u, i, candidates, found);
     }
   }
 
-  void search_pixel(int u, std::size_t i, RowSearch& found) {
-    const std::uint64_t* const nearby = grid_.at(u, v_);
+  void search_pixel(int u, std::size_t i, const Range& candidates, RowSearch& found) const {
+    const std::uint64_t* const nearby = grid_.words_at(u, v_);
     const auto cost = [&](int d) { return static_cast<std::int16_t>(compute_cost(image_[u], other_[u + direction_ * d])); };
     const auto at = static_cast<std::size_t>(u);
     int earlier = kNoEnergy;
     int last_energy = kNoEnergy;
     int last = -2;
-    for_each(candidates_, [&](int d) {
-      if (d > largest_[i] || !(contains(nearby, d) || std::abs(d - expected_[i]) <= radius_)) return;
+    for (int d = candidates.least; d <= std::min<int>(candidates.greatest, largest_[i]); ++d) {
+      if (!contains(nearby[d / 64], d % 64) && std::abs(d - expected_[i]) > radius_) continue;
       const auto off = static_cast<std::size_t>(std::abs(d - reliable_[i]));
       const int penalty = off < penalty_.near_plane.size() ? penalty_.near_plane[off] : penalty_.elsewhere;
       const int energy = Penalty::kUnits * cost(d) + penalty;
@@ -181,7 +156,7 @@ class RowMatcher {
       earlier = std::min(earlier, last_energy);
       last_energy = energy;
       last = d;
-    });
+    }
     if (found.energy[at] == kNoEnergy) return;
     const int best = found.disparity[at];
     found.cost[at] = cost(best);
@@ -224,11 +199,11 @@ class RowMatcher {
     const auto set = [&](int value) { return hn::Set(d16, static_cast<std::int16_t>(value)); };
     const auto lane_pixels = hn::Iota(d16, 0);
     const auto columns = hn::Add(set(first), lane_pixels);
-    const auto room = direction_ < 0 ? columns : hn::Sub(set(width_ - 1), columns);
+    const auto rooms = direction_ < 0 ? columns : hn::Sub(set(width_ - 1), columns);
     const auto inside = hn::Lt(lane_pixels, set(static_cast<int>(count)));
     auto cells = hn::Zero(d16);
-    for (std::size_t k = 1; k < cells_.size(); ++k) {
-      const int begin = (first / grid_.cell_px + static_cast<int>(k)) * grid_.cell_px - first;
+    for (std::size_t k = 1; k < cell_count_; ++k) {
+      const int begin = cell_end_ + (static_cast<int>(k) - 1) * grid_.cell_px - first;
       cells = hn::IfThenElse(hn::Lt(lane_pixels, set(begin)), cells, set(static_cast<int>(k)));
     }
     const auto store = [&](auto pixels, auto& lanes) { hn::Store(to_lanes(pixels), d16, lanes.data()); };
@@ -237,7 +212,7 @@ class RowMatcher {
     const auto is_reliable = hn::Ne(hn::And(codes, set(1)), hn::Zero(d16));
     store(expected, expected_);
     store(hn::IfThenElse(is_reliable, expected, set(ExpectedDisparity::kNone)), reliable_);
-    store(hn::IfThenElse(inside, hn::Min(room, set(max_disparity_)), set(-1)), largest_);
+    store(hn::IfThenElse(inside, hn::Min(rooms, set(max_disparity_)), set(-1)), largest_);
     store(cells, cell_of_);
   }
 
@@ -254,25 +229,55 @@ class RowMatcher {
     return hn::BitCast(Signed(), pack_sums(sums));
   }
 
+  /// The candidates of the pixels in a window, and those of them that are in the sets of all cells.
+  struct Candidates {
+    std::uint64_t of_any = 0;
+    std::uint64_t of_all = 0;
+  };
+
+  Candidates collect(DisparityWindow window, int first, std::size_t count, const Expected& planes) {
+    Candidates result{0, ~std::uint64_t{0}};
+    for (std::size_t k = 0; k < cell_count_; ++k) {
+      nearby_[k] = window.of_cell(grid_.words_of(*cells_[k]));
+      result.of_any |= nearby_[k];
+      result.of_all &= nearby_[k];
+    }
+    // One range for all of them, as what is a candidate of none is not allowed anywhere later; but not across edges.
+    constexpr int kOneSurface = 8;  // px
+    if (planes.greatest - planes.least <= kOneSurface) {
+      result.of_any |= window.range(planes.least - radius_, planes.greatest + radius_);
+    } else {
+      for (int u = first; u < first + static_cast<int>(count); ++u) {
+        const int expected = ExpectedDisparity::disparity(prior_.expected[u]);
+        result.of_any |= window.range(expected - radius_, expected + radius_);
+      }
+    }
+    result.of_any &= window.range(0, max_disparity_);
+    return result;
+  }
+
   /// Of the pixels those in whose cells a disparity is a candidate.
-  hn::Mask<Signed> find_nearby(hn::Vec<Signed> cell_of, int d) const {
+  hn::Mask<Signed> find_nearby(hn::Vec<Signed> cell_of, int i) const {
     const Signed d16;
     auto nearby = hn::Lt(cell_of, hn::Zero(d16));  // none: cells count from 0
-    for (std::size_t k = 0; k < cells_.size(); ++k) {
-      if (contains(cells_[k], d)) nearby = hn::Or(nearby, hn::Eq(cell_of, hn::Set(d16, static_cast<std::int16_t>(k))));
+    for (std::size_t k = 0; k < cell_count_; ++k) {
+      if (contains(nearby_[k], i)) nearby = hn::Or(nearby, hn::Eq(cell_of, hn::Set(d16, static_cast<std::int16_t>(k))));
     }
     return nearby;
   }
 
-  void search(int first, RowSearch& found) {
+  void search(int first, std::size_t count, const Expected& planes, const Range& range, RowSearch& found) {
     const Signed d16;
     const auto expected = hn::Load(d16, expected_.data());
     const auto reliable = hn::Load(d16, reliable_.data());
     const auto cell_of = hn::Load(d16, cell_of_.data());
+    const auto zero = hn::Zero(d16);
     const auto one = hn::Set(d16, 1);
+    const auto elsewhere = hn::Set(d16, penalty_.elsewhere);
     const auto too_large = hn::Add(hn::Load(d16, largest_.data()), one);
     const auto too_far = hn::Set(d16, static_cast<std::int16_t>(radius_ + 1));
     const auto none = hn::Set(d16, kNoEnergy);
+    const int largest_of_all = count < lanes() ? -1 : std::min(room(first), room(first + static_cast<int>(count) - 1));
 
     // In one pass from small disparities to large ones; what lies 1 px beside the best is no rival.
     auto best = none;
@@ -285,37 +290,49 @@ class RowMatcher {
     auto last_energy = none;  // of the last candidate, `last`
     auto earlier = none;      // least of all candidates before that
     int last = -2;
-    for_each(looked_at_, [&](int d) {
-      const auto disparity = hn::Set(d16, static_cast<std::int16_t>(d));
-      const auto off_best = hn::Sub(disparity, best_disparity);
-      const auto cost = compute_costs(first, d);
-      above = hn::IfThenElse(hn::Eq(off_best, one), cost, above);
-      if (contains(candidates_.data(), d)) {
-        const auto off = hn::Abs(hn::Sub(disparity, reliable));
-        auto penalty = hn::Set(d16, penalty_.elsewhere);
-        for (std::size_t x = 0; x < penalty_.near_plane.size(); ++x) {
-          const auto here = hn::Eq(off, hn::Set(d16, static_cast<std::int16_t>(x)));
-          penalty = hn::IfThenElse(here, hn::Set(d16, penalty_.near_plane[x]), penalty);
+    // A window's first and last disparity are looked at beside its candidates: windows overlap by two.
+    for (DisparityWindow window{range.least - 1}; window.first < range.greatest; window.first += DisparityWindow::kSize - 2) {
+      auto [candidates, of_all] = collect(window, first, count, planes);
+      candidates &= window.range(window.first + 1, window.first + DisparityWindow::kSize - 2);
+      const std::uint64_t allowed_everywhere = of_all & window.range(0, largest_of_all);
+      std::uint64_t looked_at = (candidates | candidates << 1U | candidates >> 1U) & window.range(0, max_disparity_);
+      for (; looked_at != 0; looked_at &= looked_at - 1) {
+        const int i = std::countr_zero(looked_at);
+        const int d = window.first + i;
+        const auto disparity = hn::Set(d16, static_cast<std::int16_t>(d));
+        const auto off_best = hn::Sub(disparity, best_disparity);
+        const auto cost = compute_costs(first, d);
+        above = hn::IfThenElse(hn::Eq(off_best, one), cost, above);
+        if (contains(candidates, i)) {
+          const auto off = hn::Abs(hn::Sub(disparity, reliable));
+          auto penalty = elsewhere;
+          auto x = zero;
+          for (const std::int16_t near_plane : penalty_.near_plane) {
+            penalty = hn::IfThenElse(hn::Eq(off, x), hn::Set(d16, near_plane), penalty);
+            x = hn::Add(x, one);
+          }
+          static_assert(Penalty::kUnits == 4);
+          auto energy = hn::Add(hn::ShiftLeft<2>(cost), penalty);
+          if (!contains(allowed_everywhere, i)) {
+            const auto near_plane = hn::Lt(hn::Abs(hn::Sub(disparity, expected)), too_far);
+            const auto allowed = hn::And(hn::Lt(disparity, too_large), hn::Or(near_plane, find_nearby(cell_of, i)));
+            energy = hn::IfThenElse(allowed, energy, none);
+          }
+          const auto less = hn::Lt(energy, best);
+          const auto at_least_two_below = last == d - 1 ? earlier : hn::Min(earlier, last_energy);
+          rival = hn::IfThenElse(hn::Gt(off_best, one), hn::Min(rival, energy), rival);
+          rival = hn::IfThenElse(less, at_least_two_below, rival);
+          best = hn::IfThenElse(less, energy, best);
+          best_disparity = hn::IfThenElse(less, disparity, best_disparity);
+          below = hn::IfThenElse(less, previous_cost, below);
+          at = hn::IfThenElse(less, cost, at);
+          earlier = hn::Min(earlier, last_energy);
+          last_energy = energy;
+          last = d;
         }
-        static_assert(Penalty::kUnits == 4);
-        auto allowed = hn::Lt(disparity, too_large);
-        const auto near_plane = hn::Lt(hn::Abs(hn::Sub(disparity, expected)), too_far);
-        allowed = hn::And(allowed, hn::Or(near_plane, find_nearby(cell_of, d)));
-        const auto energy = hn::IfThenElse(allowed, hn::Add(hn::ShiftLeft<2>(cost), penalty), none);
-        const auto less = hn::Lt(energy, best);
-        const auto at_least_two_below = last == d - 1 ? earlier : hn::Min(earlier, last_energy);
-        rival = hn::IfThenElse(hn::Gt(off_best, one), hn::Min(rival, energy), rival);
-        rival = hn::IfThenElse(less, at_least_two_below, rival);
-        best = hn::IfThenElse(less, energy, best);
-        best_disparity = hn::IfThenElse(less, disparity, best_disparity);
-        below = hn::IfThenElse(less, previous_cost, below);
-        at = hn::IfThenElse(less, cost, at);
-        earlier = hn::Min(earlier, last_energy);
-        last_energy = energy;
-        last = d;
+        previous_cost = cost;
       }
-      previous_cost = cost;
-    });
+    }
 
     const auto store = [&](auto values, std::vector<std::int16_t>& row) {
       store_in_order(hn::BitCast(Shorts(), values), reinterpret_cast<std::uint16_t*>(row.data() + first));
@@ -340,9 +357,11 @@ class RowMatcher {
   const Penalty& penalty_;
   int radius_;
   int max_disparity_;
-  Bits& candidates_;
-  Bits& looked_at_;
-  std::vector<const std::uint64_t*>& cells_;  ///< the words of the cells that the pixels lie in
+  const CandidateGrid::Cell* cell_;                                 ///< of the last pixel that was asked for,
+  int cell_end_;                                                    ///< and where it ends
+  std::array<const CandidateGrid::Cell*, kMostLanes + 1> cells_{};  ///< that the pixels lie in
+  std::array<std::uint64_t, kMostLanes + 1> nearby_{};              ///< their sets in a window
+  std::size_t cell_count_ = 0;
   HWY_ALIGN std::array<std::int16_t, kMostLanes> expected_{};
   HWY_ALIGN std::array<std::int16_t, kMostLanes> reliable_{};
   HWY_ALIGN std::array<std::int16_t, kMostLanes> largest_{};
@@ -351,7 +370,7 @@ class RowMatcher {
 
 void search_pixels(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
                    const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, RowSearch& found) {
-  RowMatcher matcher(view, image, other, v, prior, grid, penalty, params, found);
+  RowMatcher matcher(view, image, other, v, prior, grid, penalty, params);
   const int width = image.width();
   const auto lanes = static_cast<int>(RowMatcher::lanes());
   const std::size_t size = static_cast<std::size_t>(width) + RowMatcher::lanes();

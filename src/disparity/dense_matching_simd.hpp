@@ -24,7 +24,7 @@ struct RowPrior {
   }
 };
 
-/// What the search found for the pixels of a row, and memory that it uses again for the next one.
+/// What the search found for the pixels of a row.
 struct RowSearch {
   static constexpr std::int16_t kNoEnergy = std::numeric_limits<std::int16_t>::max();
 
@@ -34,10 +34,6 @@ struct RowSearch {
   std::vector<std::int16_t> cost_below;  ///< matching costs of the disparity - 1, itself, and + 1
   std::vector<std::int16_t> cost;
   std::vector<std::int16_t> cost_above;
-
-  std::vector<std::uint64_t> candidates;  ///< sets of disparities: bit d of the words
-  std::vector<std::uint64_t> looked_at;
-  std::vector<const std::uint64_t*> cells;  ///< whose sets are united
 };
 
 /// Searches the best disparities of the pixels of row v.

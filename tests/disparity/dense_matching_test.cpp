@@ -51,10 +51,10 @@ TEST(DenseMatching, CandidatesReachTheNeighboringCellsAndStayInRange) {
   ElasParams params;
   params.max_disparity = 30;
   const CandidateGrid grid = make_candidate_grid({{5, 5, 30}, {45, 5, 0}}, {65, 45}, params);  // 4 x 3 cells of 20 px
-  EXPECT_EQ(*grid.at(0, 0), 0x60000000U);                                                      // 29 and 30
-  EXPECT_EQ(*grid.at(25, 5), 0x60000003U);                                                     // 0, 1, 29 and 30
-  EXPECT_EQ(*grid.at(64, 39), 0x3U);
-  EXPECT_EQ(*grid.at(0, 44), 0U);
+  EXPECT_EQ(*grid.words_at(0, 0), 0x60000000U);                                                // 29 and 30
+  EXPECT_EQ(*grid.words_at(25, 5), 0x60000003U);                                               // 0, 1, 29 and 30
+  EXPECT_EQ(*grid.words_at(64, 39), 0x3U);
+  EXPECT_EQ(*grid.words_at(0, 44), 0U);
 }
 
 /// Up to 3 px from the border a descriptor sees repeated pixels instead of the scene: left out here.

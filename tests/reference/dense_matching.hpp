@@ -139,7 +139,7 @@ inline cv::Mat1f match_dense(View view, const DescriptorImage& image, const Desc
       if (textured(v, u) == 0) continue;
       std::optional<PriorPlane> plane;
       if (labels(v, u) >= 0) plane = planes[static_cast<std::size_t>(labels(v, u))];
-      if (plane || params.match_outside) disparity(v, u) = matcher.match(u, v, plane, grid.at(u, v));
+      if (plane || params.match_outside) disparity(v, u) = matcher.match(u, v, plane, grid.words_at(u, v));
     }
   }
   return disparity;
