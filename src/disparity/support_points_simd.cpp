@@ -26,7 +26,7 @@ constexpr int kBorder = 5;
 constexpr int kArm = 2;
 /// With fewer disparities to choose from, being best means little.
 constexpr int kMinRange = 10;
-constexpr std::uint16_t kNoCost = 0xFFFF;  // more than the largest cost of four descriptors
+constexpr std::int16_t kNoCost = 0x7FFF;  // more than the largest cost of four descriptors
 
 /// The rows of descriptors above and below a candidate.
 struct Rows {
@@ -36,133 +36,148 @@ struct Rows {
 
 Rows rows_around(const DescriptorImage& image, int v) { return {image.row(v - kArm), image.row(v + kArm)}; }
 
+/// A candidate at column u of one view, compared with the disparities from `first` to `last` in the other.
+struct Comparison {
+  Rows rows;
+  int u;
+  Rows other;
+  int direction;  ///< the counterpart lies at u + direction * disparity
+  int first;
+  int last;
+  int exclusion;  ///< disparities this near to the best are no rivals, px
+};
+
+/// The least cost and the smallest disparity that has it, and the least of its rivals' costs or kNoCost.
+struct Best {
+  int disparity = 0;
+  std::int16_t cost = kNoCost;
+  std::int16_t rival = kNoCost;
+};
+
 #if HWY_TARGET == HWY_SCALAR
 
-std::size_t padded(std::size_t count) { return count; }
+std::size_t memory_needed(int disparities) { return static_cast<std::size_t>(disparities); }
 
-/// Costs of the candidate at column u of one view against the columns from `first` on of the other.
-void compute_costs(const Rows& rows, int u, const Rows& other, int first, std::size_t count, std::uint16_t* costs) {
-  for (std::size_t i = 0; i < count; ++i) {
-    const int x = first + static_cast<int>(i);
-    costs[i] = static_cast<std::uint16_t>(
-        compute_cost(rows.upper[u - kArm], other.upper[x - kArm]) + compute_cost(rows.upper[u + kArm], other.upper[x + kArm]) +
-        compute_cost(rows.lower[u - kArm], other.lower[x - kArm]) + compute_cost(rows.lower[u + kArm], other.lower[x + kArm]));
+Best find_best(const Comparison& c, std::int16_t* costs) {
+  Best best;
+  for (int d = c.first; d <= c.last; ++d) {
+    const int x = c.u + c.direction * d;
+    const int cost = compute_cost(c.rows.upper[c.u - kArm], c.other.upper[x - kArm]) +
+                     compute_cost(c.rows.upper[c.u + kArm], c.other.upper[x + kArm]) +
+                     compute_cost(c.rows.lower[c.u - kArm], c.other.lower[x - kArm]) +
+                     compute_cost(c.rows.lower[c.u + kArm], c.other.lower[x + kArm]);
+    costs[d - c.first] = static_cast<std::int16_t>(cost);
+    if (cost < best.cost) best = {d, static_cast<std::int16_t>(cost)};
   }
-}
-
-std::uint16_t find_least(const std::uint16_t* costs, std::size_t count) { return *std::min_element(costs, costs + count); }
-
-std::size_t find_first(const std::uint16_t* costs, std::size_t count, std::uint16_t value) {
-  return static_cast<std::size_t>(std::find(costs, costs + count, value) - costs);
-}
-
-std::size_t find_last(const std::uint16_t* costs, std::size_t count, std::uint16_t value) {
-  while (costs[count - 1] != value) --count;
-  return count - 1;
+  for (int d = c.first; d <= c.last; ++d) {
+    if (std::abs(d - best.disparity) > c.exclusion) best.rival = std::min(best.rival, costs[d - c.first]);
+  }
+  return best;
 }
 
 #else
 
-/// So many numbers of a size are written and read, px.
-std::size_t padded(std::size_t count) { return hwy::RoundUpTo(count, hn::Lanes(Shorts())); }
+using Signed = hn::ScalableTag<std::int16_t>;
 
-/// Costs of the candidate at column u of one view against the columns from `first` on of the other. What is beyond `count`
-/// gets kNoCost.
-void compute_costs(const Rows& rows, int u, const Rows& other, int first, std::size_t count, std::uint16_t* costs) {
+std::size_t memory_needed(int disparities) { return static_cast<std::size_t>(disparities) + 2 * HWY_MAX_BYTES; }
+
+/// Columns from the start of a line of the cache, or of a vector if that is less. (The arms lie four columns apart, and a line
+/// has four: with the left one the right one is loaded as whole lines, too.)
+int columns_from_line(const Descriptor* descriptor) {
+  return static_cast<int>(reinterpret_cast<std::uintptr_t>(descriptor) / sizeof(Descriptor) % descriptors_per_vector());
+}
+
+Best find_best(const Comparison& c, std::int16_t* costs) {
   const Bytes bytes;
-  const std::size_t step = descriptors_per_vector();
-  const auto broadcast = [&](const Descriptor& descriptor) {
-    const hn::FixedTag<std::uint8_t, 16> one;
-    HWY_ALIGN std::array<std::uint8_t, HWY_MAX_BYTES> copies;
-    for (std::size_t i = 0; i < step; ++i) hn::Store(hn::LoadU(one, descriptor.data()), one, copies.data() + 16 * i);
-    return hn::Load(bytes, copies.data());
+  const Signed d16;
+  const auto set = [&](int value) { return hn::Set(d16, static_cast<std::int16_t>(value)); };
+  const auto none = hn::Set(d16, kNoCost);
+  const auto repeat = [&](const Descriptor& descriptor) { return hn::LoadDup128(bytes, descriptor.data()); };
+  const auto upper_left = repeat(c.rows.upper[c.u - kArm]);
+  const auto upper_right = repeat(c.rows.upper[c.u + kArm]);
+  const auto lower_left = repeat(c.rows.lower[c.u - kArm]);
+  const auto lower_right = repeat(c.rows.lower[c.u + kArm]);
+
+  // Columns from left to right, some more on both sides than there are disparities.
+  int begin = c.direction < 0 ? c.u - c.last : c.u + c.first;
+  const int end = c.direction < 0 ? c.u - c.first : c.u + c.last;
+  begin -= columns_from_line(c.other.upper + begin - kArm);
+  const auto lanes = static_cast<int>(hn::Lanes(d16));
+  const auto lane_columns = columns_of_lanes();
+  const auto disparities = [&](int x) {
+    return c.direction < 0 ? hn::Sub(set(c.u - x), lane_columns) : hn::Add(set(x - c.u), lane_columns);
   };
-  const auto upper_left = broadcast(rows.upper[u - kArm]);
-  const auto upper_right = broadcast(rows.upper[u + kArm]);
-  const auto lower_left = broadcast(rows.lower[u - kArm]);
-  const auto lower_right = broadcast(rows.lower[u + kArm]);
-  const std::uint8_t* upper = other.upper[first].data();
-  const std::uint8_t* lower = other.lower[first].data();
+  const auto too_small = set(c.first - 1);
+  const auto too_large = set(c.last + 1);
   constexpr int kArmBytes = 16 * kArm;
-  for (std::size_t i = 0; i < count; i += 8 * step) {
+  auto least = none;
+  std::int16_t* stored = costs;
+  for (int x = begin; x <= end; x += lanes, stored += lanes) {
+    const std::uint8_t* upper = c.other.upper[x].data();
+    const std::uint8_t* lower = c.other.lower[x].data();
     EightSums sums;
-    for (std::size_t j = 0; j < 8; ++j, upper += 16 * step, lower += 16 * step) {
+    for (std::size_t j = 0; j < 8; ++j, upper += bytes_per_vector(), lower += bytes_per_vector()) {
       sums[j] = hn::Add(hn::Add(sum_differences(upper_left, hn::LoadU(bytes, upper - kArmBytes)),
                                 sum_differences(upper_right, hn::LoadU(bytes, upper + kArmBytes))),
                         hn::Add(sum_differences(lower_left, hn::LoadU(bytes, lower - kArmBytes)),
                                 sum_differences(lower_right, hn::LoadU(bytes, lower + kArmBytes))));
     }
-    store_in_order(pack_sums(sums), costs + i);
+    const auto d = disparities(x);
+    const auto asked = hn::And(hn::Gt(d, too_small), hn::Lt(d, too_large));
+    const auto cost = hn::IfThenElse(asked, hn::BitCast(d16, pack_sums(sums)), none);
+    hn::StoreU(cost, d16, stored);
+    least = hn::Min(least, cost);
   }
-  std::fill(costs + count, costs + padded(count), kNoCost);
-}
 
-std::uint16_t find_least(const std::uint16_t* costs, std::size_t count) {
-  const Shorts shorts;
-  auto least = hn::Set(shorts, kNoCost);
-  for (std::size_t i = 0; i < count; i += hn::Lanes(shorts)) least = hn::Min(least, hn::LoadU(shorts, costs + i));
-  return hn::GetLane(hn::MinOfLanes(shorts, least));
-}
-
-std::size_t find_first(const std::uint16_t* costs, std::size_t count, std::uint16_t value) {
-  const Shorts shorts;
-  const auto wanted = hn::Set(shorts, value);
-  for (std::size_t i = 0; i < count; i += hn::Lanes(shorts)) {
-    const std::intptr_t lane = hn::FindFirstTrue(shorts, hn::Eq(hn::LoadU(shorts, costs + i), wanted));
-    if (lane >= 0) return i + static_cast<std::size_t>(lane);
+  Best best;
+  least = hn::MinOfLanes(d16, least);
+  best.cost = hn::GetLane(least);
+  auto smallest = none;
+  for (int x = begin; x <= end; x += lanes) {
+    const auto is_least = hn::Eq(hn::LoadU(d16, costs + (x - begin)), least);
+    smallest = hn::Min(smallest, hn::IfThenElse(is_least, disparities(x), none));
   }
-  return count;
-}
-
-std::size_t find_last(const std::uint16_t* costs, std::size_t count, std::uint16_t value) {
-  const Shorts shorts;
-  const auto wanted = hn::Set(shorts, value);
-  for (std::size_t i = padded(count); i > 0;) {
-    i -= hn::Lanes(shorts);
-    std::array<std::uint8_t, 8> bits{};
-    hn::StoreMaskBits(shorts, hn::Eq(hn::LoadU(shorts, costs + i), wanted), bits.data());
-    std::uint32_t lanes = 0;
-    for (std::size_t k = 4; k-- > 0;) lanes = lanes << 8U | bits[k];
-    if (lanes != 0) return i + static_cast<std::size_t>(std::bit_width(lanes)) - 1;
+  smallest = hn::MinOfLanes(d16, smallest);
+  best.disparity = hn::GetLane(smallest);
+  const auto exclusion = set(c.exclusion);
+  auto rival = none;
+  for (int x = begin; x <= end; x += lanes) {
+    const auto is_rival = hn::Gt(hn::Abs(hn::Sub(disparities(x), smallest)), exclusion);
+    rival = hn::Min(rival, hn::IfThenElse(is_rival, hn::LoadU(d16, costs + (x - begin)), none));
   }
-  return count;
+  best.rival = hn::GetLane(hn::MinOfLanes(d16, rival));
+  return best;
 }
 
 #endif  // HWY_TARGET == HWY_SCALAR
 
 /// The disparity of pixel (u, v) of `image`, whose counterpart in `other` lies at u + direction * disparity; kNoSupport if no
 /// disparity is clearly the best. Of equally good ones the smallest.
-/// @param costs scratch memory, of a vector more than max_disparity + 1.
+/// @param memory memory_needed() numbers.
 int match_point(const DescriptorImage& image, const DescriptorImage& other, int u, int v, int direction,
-                const ElasParams& params, std::uint16_t* costs) {
+                const ElasParams& params, std::int16_t* memory) {
   const int room = direction < 0 ? u - kBorder : image.width() - 1 - kBorder - u;
   const int last = std::min(params.max_disparity, room);
   if (last - params.min_disparity < kMinRange) return kNoSupport;
   if (compute_texture(image.row(v)[u]) < params.support_texture) return kNoSupport;
 
-  const int tried = last - params.min_disparity + 1;
-  const auto count = static_cast<std::size_t>(tried);
-  const int first = direction < 0 ? u - last : u + params.min_disparity;
-  compute_costs(rows_around(image, v), u, rows_around(other, v), first, count, costs);
-  const std::uint16_t least = find_least(costs, count);
-  const std::size_t best = direction < 0 ? find_last(costs, count, least) : find_first(costs, count, least);
   // The foot of the minimum is no rival: next to the best all costs are low where the texture is coarse.
-  const auto exclusion = static_cast<std::size_t>(params.support_exclusion_px);
-  std::fill(costs + (best - std::min(exclusion, best)), costs + std::min(best + exclusion + 1, count), kNoCost);
-  const std::uint16_t rival = find_least(costs, count);
-  if (least >= params.support_threshold * (rival == kNoCost ? std::numeric_limits<int>::max() : int{rival})) return kNoSupport;
-  return direction < 0 ? last - static_cast<int>(best) : params.min_disparity + static_cast<int>(best);
+  const Best best = find_best(
+      {rows_around(image, v), u, rows_around(other, v), direction, params.min_disparity, last, params.support_exclusion_px},
+      memory);
+  const int rival = best.rival == kNoCost ? std::numeric_limits<int>::max() : int{best.rival};
+  return best.cost < params.support_threshold * rival ? best.disparity : kNoSupport;
 }
 
 void match_row(const DescriptorImage& left, const DescriptorImage& right, int j, const ElasParams& params, int* row) {
   const int step = params.candidate_step_px;
   const int v = j * step;
   if (v < kBorder || v >= left.height() - kBorder) return;
-  std::vector<std::uint16_t> costs(padded(static_cast<std::size_t>(params.max_disparity) + 1));
+  std::vector<std::int16_t> memory(memory_needed(params.max_disparity + 1));
   for (int u = (kBorder + step - 1) / step * step; u < left.width() - kBorder; u += step) {
-    const int d = match_point(left, right, u, v, -1, params, costs.data());
+    const int d = match_point(left, right, u, v, -1, params, memory.data());
     if (d == kNoSupport) continue;
-    const int back = match_point(right, left, u - d, v, +1, params, costs.data());
+    const int back = match_point(right, left, u - d, v, +1, params, memory.data());
     if (back != kNoSupport && std::abs(back - d) <= params.consistency_threshold_px) row[u / step] = d;
   }
 }

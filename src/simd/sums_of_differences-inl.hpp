@@ -29,6 +29,8 @@ using EightSums = hn::Vec<Words>[8];  // NOLINT(modernize-avoid-c-arrays)
 /// Descriptors of 16 bytes that one vector holds.
 HWY_INLINE std::size_t descriptors_per_vector() { return hn::Lanes(Bytes()) / 16; }
 
+HWY_INLINE std::size_t bytes_per_vector() { return hn::Lanes(Bytes()); }
+
 /// Sums of |a - b| over every 8 bytes. Highway 1.0.3 has no such operation, x86 has an instruction.
 HWY_INLINE hn::Vec<Words> sum_differences(hn::Vec<Bytes> a, hn::Vec<Bytes> b) {
 #if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4
@@ -55,6 +57,15 @@ HWY_INLINE hn::Vec<Shorts> pack_sums(const EightSums& sums) {
   const auto second = pack_four(4);
   return hn::Add(hn::BitCast(shorts, hn::InterleaveLower(words, first, second)),
                  hn::BitCast(shorts, hn::InterleaveUpper(words, first, second)));
+}
+
+/// Which pixel each lane of pack_sums is: Iota in its order.
+HWY_INLINE hn::Vec<hn::RebindToSigned<Shorts>> columns_of_lanes() {
+  const hn::RebindToSigned<Shorts> d16;
+  const auto lane = hn::Iota(d16, 0);
+  const auto j = hn::And(lane, hn::Set(d16, 7));
+  const auto k = hn::ShiftRight<3>(lane);
+  return hn::Add(hn::Mul(j, hn::Set(d16, static_cast<std::int16_t>(descriptors_per_vector()))), k);
 }
 
 /// Stores lanes in pack_sums' order as consecutive pixels.
