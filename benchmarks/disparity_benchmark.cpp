@@ -58,8 +58,8 @@ BENCHMARK(yardstick)->Unit(benchmark::kMillisecond)->UseRealTime();
 /// What each step of ELAS gets from the one before.
 struct Steps {
   explicit Steps(const Pair& pair)
-      : left(brink::compute_descriptors(pair.left)),
-        right(brink::compute_descriptors(pair.right)),
+      : left(pair.left),
+        right(pair.right),
         points(brink::find_support_points(left, right, params())),
         dense(brink::match_dense(brink::View::left, left, right, points, params())),
         dense_right(brink::match_dense(brink::View::right, right, left, brink::move_to_right_view(points), params())),
@@ -98,8 +98,12 @@ void register_step(const char* name, const auto& step) {
     params.elas = Steps::params();
     return brink::compute_disparity(pair.left, pair.right, params);
   });
-  register_step("elas/descriptors",
-                [](const Pair& pair, const Steps&) { return brink::compute_descriptors(pair.left).width(); });
+  register_step("elas/gradients", [](const Pair& pair, const Steps&) { return brink::DescriptorImage(pair.left).width(); });
+  register_step("elas/descriptors", [](const Pair&, const Steps& steps) {
+    brink::DescriptorRow row(steps.left.width());
+    for (int v = 0; v < steps.left.height(); ++v) benchmark::DoNotOptimize(row.gather(steps.left, v));
+    return steps.left.height();
+  });
   register_step("elas/support_candidates", [](const Pair&, const Steps& steps) {
     return brink::match_support_candidates(steps.left, steps.right, Steps::params());
   });

@@ -20,7 +20,6 @@
 #include <tbb/global_control.h>
 
 #include "add_differences_simd.hpp"
-#include "disparity/consistency.hpp"
 #include "disparity/dense_matching.hpp"
 #include "disparity/descriptors.hpp"
 #include "disparity/expected_disparities_simd.hpp"
@@ -32,7 +31,7 @@ namespace brink::benchmarks {
 namespace {
 
 constexpr int kRounds = 7;
-constexpr double kDescriptorBytes = 16.0;
+constexpr double kGradientBytes = 2.0;  // of a pixel; descriptors are gathered from them row by row
 
 /// Median time of a call, ms.
 double median_ms(const std::function<void()>& call) {
@@ -116,13 +115,11 @@ struct Step {
 std::vector<Step> measure_steps(const Pair& pair, const ElasParams& params) {
   const auto pixels = static_cast<double>(pair.left.total());
   const double map_bytes = sizeof(float) * pixels;
-  const double image_bytes = kDescriptorBytes * pixels;
+  const double gradient_bytes = kGradientBytes * pixels;
   DescriptorImage left;
   DescriptorImage right;
   SupportGrid candidates;
   std::vector<SupportPoint> points;
-  cv::Mat1f dense_left;
-  cv::Mat1f dense_right;
   cv::Mat1f map;
   std::vector<Step> steps;
   const auto add = [&steps](const char* name, double costs, double bytes, double ms) {
@@ -130,23 +127,18 @@ std::vector<Step> measure_steps(const Pair& pair, const ElasParams& params) {
   };
 
   const double describing = median_ms([&] {
-    left = compute_descriptors(pair.left, std::move(left));
-    right = compute_descriptors(pair.right, std::move(right));
+    left.assign(pair.left);
+    right.assign(pair.right);
   });
-  add("descriptors", 0.0, 2.0 * (pixels + image_bytes), describing);
+  add("gradients", 0.0, 2.0 * (pixels + gradient_bytes), describing);
   const double supporting = median_ms([&] { candidates = match_support_candidates(left, right, params); });
-  add("support candidates", count_support_costs(candidates, left.width(), params), 2.0 * image_bytes, supporting);
+  add("support candidates", count_support_costs(candidates, left.width(), params), 2.0 * gradient_bytes, supporting);
   points = find_support_points(left, right, params);
   const std::vector<SupportPoint> right_points = move_to_right_view(points);
-  const double matching = median_ms([&] {
-    dense_left = match_dense(View::left, left, right, points, params);
-    dense_right = match_dense(View::right, right, left, right_points, params);
-  });
+  const double matching = median_ms([&] { map = match_both_views(left, right, points, params); });
   add("dense matching",
       count_dense_costs(View::left, left, points, params) + count_dense_costs(View::right, right, right_points, params),
-      4.0 * image_bytes + 2.0 * map_bytes, matching);
-  const auto threshold = static_cast<float>(params.consistency_threshold_px);
-  add("consistency", 0.0, 3.0 * map_bytes, median_ms([&] { map = check_consistency(dense_left, dense_right, threshold); }));
+      2.0 * gradient_bytes + map_bytes, matching);
   const cv::Mat1f checked = map;
   const auto similarity = static_cast<float>(params.speckle_similarity_px);
   add("segments", 0.0, 2.0 * map_bytes, median_ms([&] { map = remove_speckles(checked, similarity, params.speckle_size_px); }));

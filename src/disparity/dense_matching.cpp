@@ -30,25 +30,23 @@ std::array<SupportPoint, 3> corners_of(const Triangle& triangle, const std::vect
 /// Matches the rows of a view.
 class ViewMatcher {
  public:
-  ViewMatcher(View view, const DescriptorImage& image, const DescriptorImage& other, const std::vector<SupportPoint>& points,
-              const ElasParams& params)
+  ViewMatcher(View view, const DescriptorImage& image, const std::vector<SupportPoint>& points, const ElasParams& params)
       : view_(view),
-        image_(image),
-        other_(other),
+        width_(image.width()),
         params_(params),
         known_(make_dense_prior(view, image, points, params)),
         penalty_(make_penalty(params)) {}
 
-  void match_row(int v, RowSearch& search, float* disparity) const {
-    const RowPrior prior{known_.expected[v], known_.textured[v], image_.width(), params_.match_outside};
-    search_row(view_, image_, other_, v, prior, known_.grid, penalty_, params_, search);
+  /// @param row, other_row descriptors of row v of this and of the other view.
+  void match_row(int v, const Descriptor* row, const Descriptor* other_row, RowSearch& search, float* disparity) const {
+    const RowPrior prior{known_.expected[v], known_.textured[v], width_, params_.match_outside};
+    search_row(view_, row, other_row, v, prior, known_.grid, penalty_, params_, search);
     finish_row(view_, search, prior, params_, disparity);
   }
 
  private:
   View view_;
-  const DescriptorImage& image_;
-  const DescriptorImage& other_;
+  int width_;
   const ElasParams& params_;
   DensePrior known_;
   Penalty penalty_;
@@ -58,7 +56,10 @@ class ViewMatcher {
 
 cv::Mat1b find_textured(const DescriptorImage& image, const ElasParams& params) {
   cv::Mat1s texture(image.height(), image.width());
-  tbb::parallel_for(0, texture.rows, [&](int v) { compute_texture_row(image.row(v), image.width(), texture[v]); });
+  tbb::parallel_for(tbb::blocked_range<int>(0, texture.rows), [&](const tbb::blocked_range<int>& rows) {
+    DescriptorRow row(texture.cols);
+    for (int v = rows.begin(); v < rows.end(); ++v) compute_texture_row(row.gather(image, v), texture.cols, texture[v]);
+  });
   const int window = 2 * params.texture_radius_px + 1;
   cv::Mat1i sum;
   cv::boxFilter(texture, sum, CV_32S, {window, window}, {-1, -1}, false, cv::BORDER_REPLICATE);
@@ -140,11 +141,14 @@ DensePrior make_dense_prior(View view, const DescriptorImage& image, const std::
 
 cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorImage& other,
                       const std::vector<SupportPoint>& points, const ElasParams& params) {
-  const ViewMatcher matcher(view, image, other, points, params);
+  const ViewMatcher matcher(view, image, points, params);
   cv::Mat1f disparity(image.height(), image.width());
   tbb::parallel_for(tbb::blocked_range<int>(0, disparity.rows), [&](const tbb::blocked_range<int>& rows) {
+    DescriptorRow row(disparity.cols);
+    DescriptorRow other_row(disparity.cols);
     RowSearch search;
-    for (int v = rows.begin(); v < rows.end(); ++v) matcher.match_row(v, search, disparity[v]);
+    for (int v = rows.begin(); v < rows.end(); ++v)
+      matcher.match_row(v, row.gather(image, v), other_row.gather(other, v), search, disparity[v]);
   });
   return disparity;
 }
@@ -153,20 +157,24 @@ cv::Mat1f match_both_views(const DescriptorImage& left, const DescriptorImage& r
                            const ElasParams& params) {
   std::optional<ViewMatcher> left_matcher;
   std::optional<ViewMatcher> right_matcher;
-  tbb::parallel_invoke([&] { left_matcher.emplace(View::left, left, right, points, params); },
-                       [&] { right_matcher.emplace(View::right, right, left, move_to_right_view(points), params); });
+  tbb::parallel_invoke([&] { left_matcher.emplace(View::left, left, points, params); },
+                       [&] { right_matcher.emplace(View::right, right, move_to_right_view(points), params); });
 
   const int width = left.width();
   const auto threshold = static_cast<float>(params.consistency_threshold_px);
   cv::Mat1f disparity(left.height(), width);
   tbb::parallel_for(tbb::blocked_range<int>(0, disparity.rows), [&](const tbb::blocked_range<int>& rows) {
+    DescriptorRow left_row(width);
+    DescriptorRow right_row(width);
     RowSearch search;
-    std::vector<float> of_left(static_cast<std::size_t>(width));
-    std::vector<float> of_right(static_cast<std::size_t>(width));
+    std::vector<float> left_disparity(static_cast<std::size_t>(width));
+    std::vector<float> right_disparity(static_cast<std::size_t>(width));
     for (int v = rows.begin(); v < rows.end(); ++v) {
-      left_matcher->match_row(v, search, of_left.data());
-      right_matcher->match_row(v, search, of_right.data());
-      check_consistency_row(of_left.data(), of_right.data(), width, threshold, disparity[v]);
+      const Descriptor* const of_left_view = left_row.gather(left, v);
+      const Descriptor* const of_right_view = right_row.gather(right, v);
+      left_matcher->match_row(v, of_left_view, of_right_view, search, left_disparity.data());
+      right_matcher->match_row(v, of_right_view, of_left_view, search, right_disparity.data());
+      check_consistency_row(left_disparity.data(), right_disparity.data(), width, threshold, disparity[v]);
     }
   });
   return disparity;

@@ -29,12 +29,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// Matches the pixels of a row, a vector's worth at a time.
 class RowMatcher {
  public:
-  RowMatcher(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
+  RowMatcher(View view, const Descriptor* row, const Descriptor* other_row, int v, const RowPrior& prior,
              const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params)
       : direction_(view == View::left ? -1 : 1),
-        width_(image.width()),
-        image_(image.row(v)),
-        other_(other.row(v)),
+        width_(prior.width),
+        row_(row),
+        other_row_(other_row),
         v_(v),
         prior_(prior),
         grid_(grid),
@@ -136,7 +136,7 @@ class RowMatcher {
 
   void search_pixel(int u, std::size_t i, const Range& candidates, RowSearch& found) const {
     const std::uint64_t* const nearby = grid_.words_at(u, v_);
-    const auto cost = [&](int d) { return static_cast<std::int16_t>(compute_cost(image_[u], other_[u + direction_ * d])); };
+    const auto cost = [&](int d) { return static_cast<std::int16_t>(compute_cost(row_[u], other_row_[u + direction_ * d])); };
     const auto at = static_cast<std::size_t>(u);
     int earlier = kNoEnergy;
     int last_energy = kNoEnergy;
@@ -220,8 +220,8 @@ class RowMatcher {
   hn::Vec<Signed> compute_costs(int first, int d) const {
     const Bytes bytes;
     const std::size_t step = descriptors_per_vector();
-    const std::uint8_t* here = image_[first].data();
-    const std::uint8_t* there = other_[first + direction_ * d].data();
+    const std::uint8_t* here = row_[first].data();
+    const std::uint8_t* there = other_row_[first + direction_ * d].data();
     EightSums sums;
     for (std::size_t j = 0; j < 8; ++j) {  // beyond the end of the row, too: there is padding, and what comes out is not used
       sums[j] = sum_differences(hn::LoadU(bytes, here + 16 * step * j), hn::LoadU(bytes, there + 16 * step * j));
@@ -349,8 +349,8 @@ class RowMatcher {
 
   int direction_;
   int width_;
-  const Descriptor* image_;
-  const Descriptor* other_;
+  const Descriptor* row_;
+  const Descriptor* other_row_;
   int v_;
   const RowPrior& prior_;
   const CandidateGrid& grid_;
@@ -368,15 +368,15 @@ class RowMatcher {
   HWY_ALIGN std::array<std::int16_t, kMostLanes> cell_of_{};  ///< index in cells_
 };
 
-void search_pixels(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
+void search_pixels(View view, const Descriptor* row, const Descriptor* other_row, int v, const RowPrior& prior,
                    const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, RowSearch& found) {
-  RowMatcher matcher(view, image, other, v, prior, grid, penalty, params);
-  const int width = image.width();
+  RowMatcher matcher(view, row, other_row, v, prior, grid, penalty, params);
+  const int width = prior.width;
   const auto lanes = static_cast<int>(RowMatcher::lanes());
   const std::size_t size = static_cast<std::size_t>(width) + RowMatcher::lanes();
   found.energy.assign(size, kNoEnergy);
   found.rival.assign(size, kNoEnergy);
-  for (auto* row : {&found.disparity, &found.cost_below, &found.cost, &found.cost_above}) row->resize(size);
+  for (auto* values : {&found.disparity, &found.cost_below, &found.cost, &found.cost_above}) values->resize(size);
   for (int u = 0; u < width; u += lanes) matcher.match(u, static_cast<std::size_t>(std::min(lanes, width - u)), found);
 }
 
@@ -389,9 +389,9 @@ namespace brink {
 
 HWY_EXPORT(search_pixels);
 
-void search_row(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
+void search_row(View view, const Descriptor* row, const Descriptor* other_row, int v, const RowPrior& prior,
                 const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, RowSearch& search) {
-  HWY_DYNAMIC_DISPATCH(search_pixels)(view, image, other, v, prior, grid, penalty, params, search);
+  HWY_DYNAMIC_DISPATCH(search_pixels)(view, row, other_row, v, prior, grid, penalty, params, search);
 }
 
 }  // namespace brink

@@ -36,11 +36,13 @@ struct RowSearch {
   std::vector<std::int16_t> cost_above;
 };
 
-/// Searches the best disparities of the pixels of row v.
+/// Searches the best disparities of the pixels of row v of a view.
 ///
 /// A pixel's candidates are the disparities of its cell and those near its plane that lie in the picture. Its energy is the
 /// matching cost and the penalty; the least wins, of equal ones the smallest disparity.
-void search_row(View view, const DescriptorImage& image, const DescriptorImage& other, int v, const RowPrior& prior,
+/// @param row, other_row the descriptors of that view and of the other one; DescriptorRow::kPadding more on both sides are
+/// read.
+void search_row(View view, const Descriptor* row, const Descriptor* other_row, int v, const RowPrior& prior,
                 const CandidateGrid& grid, const Penalty& penalty, const ElasParams& params, RowSearch& search);
 
 /// The last step for the pixels of a row: which are certain, and where between whole numbers they lie. Both steps together

@@ -1,9 +1,6 @@
 #include "disparity/descriptors.hpp"
 
-#include <utility>
-
 #include <opencv2/imgproc.hpp>
-#include <tbb/parallel_for.h>
 
 #include "disparity/descriptors_simd.hpp"
 
@@ -13,36 +10,45 @@ namespace {
 /// How far the samples of a descriptor lie from its centre, px.
 constexpr int kReach = 2;
 
-/// Gradient / 4 + 128, saturated, of a picture and of a frame of kReach px around it. Dividing rounds half to even: the noise
-/// of a surface without texture, less than one grey level, then vanishes in both directions alike.
-cv::Mat1b compute_gradient(const cv::Mat1b& padded, int order_u, int order_v) {
-  cv::Mat1s gradient;
-  cv::Sobel(padded, gradient, CV_16S, order_u, order_v, 3, 1.0, 0.0, cv::BORDER_REPLICATE);
-  cv::Mat1b samples;
-  gradient.convertTo(samples, CV_8U, 0.25, 128.0);
-  return samples;
-}
+struct Offset {
+  int u;
+  int v;
+};
+constexpr std::array<Offset, 12> kHorizontal = {
+    {{0, -2}, {-2, -1}, {0, -1}, {2, -1}, {-1, 0}, {0, 0}, {0, 0}, {1, 0}, {-2, 1}, {0, 1}, {2, 1}, {0, 2}}};
+constexpr std::array<Offset, 4> kVertical = {{{0, -1}, {-1, 0}, {1, 0}, {0, 1}}};
 
 }  // namespace
 
-DescriptorImage compute_descriptors(const cv::Mat1b& image, DescriptorImage memory) {
-  if (image.empty()) return {};
-  cv::Mat1b padded;
-  cv::copyMakeBorder(image, padded, kReach, kReach, kReach, kReach, cv::BORDER_REPLICATE);
-  const cv::Mat1b horizontal = compute_gradient(padded, 1, 0);
-  const cv::Mat1b vertical = compute_gradient(padded, 0, 1);
+void DescriptorImage::assign(const cv::Mat1b& picture) {
+  width_ = picture.cols;
+  height_ = picture.rows;
+  if (picture.empty()) return;
+  cv::copyMakeBorder(picture, framed_, kReach, kReach, kReach, kReach, cv::BORDER_REPLICATE);
+  // Gradient / 4 + 128, saturated. Dividing rounds half to even: the noise of a surface without texture, less than one grey
+  // level, then vanishes in both directions alike.
+  const auto compute_gradient = [this](int order_u, int order_v, cv::Mat1b& samples) {
+    cv::Sobel(framed_, gradient_, CV_16S, order_u, order_v, 3, 1.0, 0.0, cv::BORDER_REPLICATE);
+    gradient_.convertTo(samples, CV_8U, 0.25, 128.0);
+  };
+  compute_gradient(1, 0, horizontal_);
+  compute_gradient(0, 1, vertical_);
+}
 
-  DescriptorImage descriptors = std::move(memory);
-  descriptors.resize(image.cols, image.rows);
-  tbb::parallel_for(0, image.rows, [&](int v) {
-    GradientRows gradients;
-    for (int i = 0; i < 5; ++i) {
-      gradients.horizontal[static_cast<std::size_t>(i)] = horizontal[v + i] + kReach;
-      gradients.vertical[static_cast<std::size_t>(i)] = vertical[v + i] + kReach;
-    }
-    gather_descriptors(gradients, image.cols, descriptors.row(v));
-  });
-  return descriptors;
+DescriptorSamples DescriptorImage::samples(int v) const {
+  DescriptorSamples samples{};
+  std::size_t k = 0;
+  for (const Offset& to : kHorizontal) samples[k++] = horizontal_[v + kReach + to.v] + kReach + to.u;
+  for (const Offset& to : kVertical) samples[k++] = vertical_[v + kReach + to.v] + kReach + to.u;
+  return samples;
+}
+
+Descriptor DescriptorImage::at(int u, int v) const { return describe(samples(v), u); }
+
+const Descriptor* DescriptorRow::gather(const DescriptorImage& image, int v) {
+  Descriptor* const row = descriptors_.get() + kPadding;
+  gather_descriptors(image.samples(v), width_, row);
+  return row;
 }
 
 }  // namespace brink

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <vector>
 
+#include <hwy/aligned_allocator.h>
 #include <opencv2/core.hpp>
 
 namespace brink {
@@ -13,42 +13,55 @@ namespace brink {
 /// The surroundings of a pixel: 12 samples of the horizontal and 4 of the vertical gradient, each gradient / 4 + 128.
 using Descriptor = std::array<std::uint8_t, 16>;
 
-/// One descriptor per pixel, row by row. Vectors may read up to kPadding descriptors before the first row and behind the last.
+/// Where the samples of the first pixel of a row lie (algorithms.md A.2); those of pixel u lie u bytes farther.
+using DescriptorSamples = std::array<const std::uint8_t*, 16>;
+
+/// The descriptors of a picture (ACCV 2010, section 3). Only the gradients that they are samples of are kept: all descriptors
+/// together are sixteen times as large as the picture, and to read them takes longer than to gather a row of them again.
 class DescriptorImage {
  public:
-  static constexpr std::size_t kPadding = 2112;  // the largest disparity, 2047, and a vector
-
   DescriptorImage() = default;
-  DescriptorImage(int width, int height) { resize(width, height); }
+  /// @param picture of any size. Outside of it its border pixels are repeated, so that every descriptor is defined.
+  explicit DescriptorImage(const cv::Mat1b& picture) { assign(picture); }
 
-  /// What the descriptors are is not told afterwards.
-  void resize(int width, int height) {
-    width_ = width;
-    height_ = height;
-    descriptors_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) + 2 * kPadding);
-  }
+  /// Describes another picture in the same memory.
+  void assign(const cv::Mat1b& picture);
 
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
-  /// The first of the width() descriptors of row v.
-  [[nodiscard]] const Descriptor* row(int v) const { return descriptors_.data() + offset(v); }
-  [[nodiscard]] Descriptor* row(int v) { return descriptors_.data() + offset(v); }
+  [[nodiscard]] DescriptorSamples samples(int v) const;
+  [[nodiscard]] Descriptor at(int u, int v) const;
 
  private:
-  [[nodiscard]] std::size_t offset(int v) const {
-    return kPadding + static_cast<std::size_t>(v) * static_cast<std::size_t>(width_);
-  }
-
   int width_ = 0;
   int height_ = 0;
-  std::vector<Descriptor> descriptors_;
+  cv::Mat1b framed_;  ///< picture and gradients with a frame around them
+  cv::Mat1s gradient_;
+  cv::Mat1b horizontal_;
+  cv::Mat1b vertical_;
 };
 
-/// Descriptors of all pixels (ACCV 2010, section 3; algorithms.md A.2). Outside the picture its border pixels are repeated, so
-/// that every descriptor is defined.
-/// @param image of any size; empty gives an empty result.
-/// @param memory whose memory is used again: that of a whole picture takes longer to get than to fill.
-DescriptorImage compute_descriptors(const cv::Mat1b& image, DescriptorImage memory = {});
+inline Descriptor describe(const DescriptorSamples& samples, int u) {
+  Descriptor descriptor;
+  for (std::size_t k = 0; k < descriptor.size(); ++k) descriptor[k] = samples[k][u];
+  return descriptor;
+}
+
+/// Memory for the descriptors of a row. Up to kPadding descriptors on both sides of it can be read.
+class DescriptorRow {
+ public:
+  static constexpr std::size_t kPadding = 2112;  ///< the largest disparity, 2047, and a vector
+
+  explicit DescriptorRow(int width)
+      : width_(width), descriptors_(hwy::AllocateAligned<Descriptor>(static_cast<std::size_t>(width) + 2 * kPadding)) {}
+
+  /// The descriptors of row v of an image of this width. @return the first of them.
+  const Descriptor* gather(const DescriptorImage& image, int v);
+
+ private:
+  int width_;
+  hwy::AlignedFreeUniquePtr<Descriptor[]> descriptors_;  // NOLINT(modernize-avoid-c-arrays): Highway's way to align
+};
 
 /// Texture of a pixel: the sum of the gradient magnitudes in its descriptor, 0..2048.
 inline int compute_texture(const Descriptor& descriptor) {

@@ -15,23 +15,10 @@ HWY_BEFORE_NAMESPACE();
 namespace brink::HWY_NAMESPACE {
 namespace {
 
-/// Where the sixteen samples of the first pixel lie (algorithms.md A.2).
-std::array<const std::uint8_t*, 16> find_samples(const GradientRows& gradients) {
-  const auto& du = gradients.horizontal;
-  const auto& dv = gradients.vertical;
-  return {du[0],     du[1] - 2, du[1],     du[1] + 2, du[2] - 1, du[2],     du[2],     du[2] + 1,
-          du[3] - 2, du[3],     du[3] + 2, du[4],     dv[1],     dv[2] - 1, dv[2] + 1, dv[3]};
-}
-
-void gather_pixel(const std::array<const std::uint8_t*, 16>& samples, std::size_t u, Descriptor* row) {
-  for (std::size_t k = 0; k < samples.size(); ++k) row[u][k] = samples[k][u];
-}
-
 #if HWY_TARGET == HWY_SCALAR
 
-void gather(const GradientRows& gradients, std::size_t width, Descriptor* row) {
-  const std::array<const std::uint8_t*, 16> samples = find_samples(gradients);
-  for (std::size_t u = 0; u < width; ++u) gather_pixel(samples, u, row);
+void gather(const DescriptorSamples& samples, std::size_t width, Descriptor* row) {
+  for (std::size_t u = 0; u < width; ++u) row[u] = describe(samples, static_cast<int>(u));
 }
 
 void add_up_texture(const Descriptor* row, std::size_t width, std::int16_t* texture) {
@@ -51,9 +38,8 @@ HWY_INLINE void interleave_halves(SixteenBytes bytes, const Matrix& from, Matrix
   }
 }
 
-void gather(const GradientRows& gradients, std::size_t width, Descriptor* row) {
+void gather(const DescriptorSamples& samples, std::size_t width, Descriptor* row) {
   const SixteenBytes bytes;
-  const std::array<const std::uint8_t*, 16> samples = find_samples(gradients);
   const std::size_t whole = width - width % 16;
   for (std::size_t u = 0; u < whole; u += 16) {
     Matrix a;
@@ -65,7 +51,7 @@ void gather(const GradientRows& gradients, std::size_t width, Descriptor* row) {
     interleave_halves(bytes, b, a);
     for (std::size_t k = 0; k < 16; ++k) hn::StoreU(a[k], bytes, row[u + k].data());
   }
-  for (std::size_t u = whole; u < width; ++u) gather_pixel(samples, u, row);
+  for (std::size_t u = whole; u < width; ++u) row[u] = describe(samples, static_cast<int>(u));
 }
 
 void add_up_texture(const Descriptor* row, std::size_t width, std::int16_t* texture) {
@@ -95,8 +81,8 @@ namespace brink {
 HWY_EXPORT(gather);
 HWY_EXPORT(add_up_texture);
 
-void gather_descriptors(const GradientRows& gradients, int width, Descriptor* row) {
-  HWY_DYNAMIC_DISPATCH(gather)(gradients, static_cast<std::size_t>(width), row);
+void gather_descriptors(const DescriptorSamples& samples, int width, Descriptor* row) {
+  HWY_DYNAMIC_DISPATCH(gather)(samples, static_cast<std::size_t>(width), row);
 }
 
 void compute_texture_row(const Descriptor* row, int width, std::int16_t* texture) {

@@ -22,8 +22,7 @@ class ElasMatcher : public StereoMatcher {
   [[nodiscard]] cv::Mat1f compute(const cv::Mat1b& left, const cv::Mat1b& right) override {
     require_equal_sizes(left, right);
 
-    tbb::parallel_invoke([&] { left_ = compute_descriptors(left, std::move(left_)); },
-                         [&] { right_ = compute_descriptors(right, std::move(right_)); });
+    tbb::parallel_invoke([&] { left_.assign(left); }, [&] { right_.assign(right); });
 
     const std::vector<SupportPoint> points = find_support_points(left_, right_, params_);
     if (points.size() < 3) return {left.size(), kInvalidDisparity};

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include "disparity/support_points_simd.hpp"
@@ -44,7 +45,10 @@ bool is_supported(const SupportGrid& grid, int i, int j, const ElasParams& param
 SupportGrid match_support_candidates(const DescriptorImage& left, const DescriptorImage& right, const ElasParams& params) {
   const int step = params.candidate_step_px;
   SupportGrid grid((left.height() + step - 1) / step, (left.width() + step - 1) / step, kNoSupport);
-  tbb::parallel_for(0, grid.rows, [&](int j) { match_support_row(left, right, j, params, grid[j]); });
+  tbb::parallel_for(tbb::blocked_range<int>(0, grid.rows), [&](const tbb::blocked_range<int>& rows) {
+    SupportRowMemory memory(left.width());
+    for (int j = rows.begin(); j < rows.end(); ++j) match_support_row(left, right, j, params, memory, grid[j]);
+  });
   return grid;
 }
 

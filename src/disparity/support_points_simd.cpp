@@ -28,19 +28,19 @@ constexpr int kArm = 2;
 constexpr int kMinRange = 10;
 constexpr std::int16_t kNoCost = 0x7FFF;  // more than the largest cost of four descriptors
 
-/// The rows of descriptors above and below a candidate.
+/// What a row of candidates is matched by in one view: the descriptors of the rows above and below, and its own samples.
 struct Rows {
   const Descriptor* upper = nullptr;
   const Descriptor* lower = nullptr;
+  DescriptorSamples samples{};
+  int width = 0;
 };
-
-Rows rows_around(const DescriptorImage& image, int v) { return {image.row(v - kArm), image.row(v + kArm)}; }
 
 /// A candidate at column u of one view, compared with the disparities from `first` to `last` in the other.
 struct Comparison {
-  Rows rows;
+  const Rows& rows;
   int u;
-  Rows other;
+  const Rows& other;
   int direction;  ///< the counterpart lies at u + direction * disparity
   int first;
   int last;
@@ -151,33 +151,37 @@ Best find_best(const Comparison& c, std::int16_t* costs) {
 
 #endif  // HWY_TARGET == HWY_SCALAR
 
-/// The disparity of pixel (u, v) of `image`, whose counterpart in `other` lies at u + direction * disparity; kNoSupport if no
-/// disparity is clearly the best. Of equally good ones the smallest.
-/// @param memory memory_needed() numbers.
-int match_point(const DescriptorImage& image, const DescriptorImage& other, int u, int v, int direction,
-                const ElasParams& params, std::int16_t* memory) {
-  const int room = direction < 0 ? u - kBorder : image.width() - 1 - kBorder - u;
+/// The disparity of column u, whose counterpart in `other` lies at u + direction * disparity; kNoSupport if no disparity is
+/// clearly the best. Of equally good ones the smallest.
+/// @param costs memory_needed() numbers.
+int match_point(const Rows& rows, const Rows& other, int u, int direction, const ElasParams& params, std::int16_t* costs) {
+  const int room = direction < 0 ? u - kBorder : rows.width - 1 - kBorder - u;
   const int last = std::min(params.max_disparity, room);
   if (last - params.min_disparity < kMinRange) return kNoSupport;
-  if (compute_texture(image.row(v)[u]) < params.support_texture) return kNoSupport;
+  if (compute_texture(describe(rows.samples, u)) < params.support_texture) return kNoSupport;
 
   // The foot of the minimum is no rival: next to the best all costs are low where the texture is coarse.
-  const Best best = find_best(
-      {rows_around(image, v), u, rows_around(other, v), direction, params.min_disparity, last, params.support_exclusion_px},
-      memory);
+  const Best best = find_best({rows, u, other, direction, params.min_disparity, last, params.support_exclusion_px}, costs);
   const int rival = best.rival == kNoCost ? std::numeric_limits<int>::max() : int{best.rival};
   return best.cost < params.support_threshold * rival ? best.disparity : kNoSupport;
 }
 
-void match_row(const DescriptorImage& left, const DescriptorImage& right, int j, const ElasParams& params, int* row) {
+void match_row(const DescriptorImage& left, const DescriptorImage& right, int j, const ElasParams& params,
+               SupportRowMemory& memory, int* row) {
   const int step = params.candidate_step_px;
   const int v = j * step;
+  const int width = left.width();
   if (v < kBorder || v >= left.height() - kBorder) return;
-  std::vector<std::int16_t> memory(memory_needed(params.max_disparity + 1));
-  for (int u = (kBorder + step - 1) / step * step; u < left.width() - kBorder; u += step) {
-    const int d = match_point(left, right, u, v, -1, params, memory.data());
+  const Rows left_rows{memory.left_upper.gather(left, v - kArm), memory.left_lower.gather(left, v + kArm), left.samples(v),
+                       width};
+  const Rows right_rows{memory.right_upper.gather(right, v - kArm), memory.right_lower.gather(right, v + kArm),
+                        right.samples(v), width};
+  memory.costs.resize(memory_needed(params.max_disparity + 1));
+  std::int16_t* const costs = memory.costs.data();
+  for (int u = (kBorder + step - 1) / step * step; u < width - kBorder; u += step) {
+    const int d = match_point(left_rows, right_rows, u, -1, params, costs);
     if (d == kNoSupport) continue;
-    const int back = match_point(right, left, u - d, v, +1, params, memory.data());
+    const int back = match_point(right_rows, left_rows, u - d, +1, params, costs);
     if (back != kNoSupport && std::abs(back - d) <= params.consistency_threshold_px) row[u / step] = d;
   }
 }
@@ -191,8 +195,9 @@ namespace brink {
 
 HWY_EXPORT(match_row);
 
-void match_support_row(const DescriptorImage& left, const DescriptorImage& right, int j, const ElasParams& params, int* row) {
-  HWY_DYNAMIC_DISPATCH(match_row)(left, right, j, params, row);
+void match_support_row(const DescriptorImage& left, const DescriptorImage& right, int j, const ElasParams& params,
+                       SupportRowMemory& memory, int* row) {
+  HWY_DYNAMIC_DISPATCH(match_row)(left, right, j, params, memory, row);
 }
 
 }  // namespace brink

@@ -12,8 +12,8 @@ namespace {
 
 /// Of both views, for the support points of the pair and for arbitrary ones.
 void expect_equal_to_twin(const SyntheticPair& pair, const ElasParams& params) {
-  const DescriptorImage left = compute_descriptors(pair.left);
-  const DescriptorImage right = compute_descriptors(pair.right);
+  const DescriptorImage left(pair.left);
+  const DescriptorImage right(pair.right);
   std::vector<SupportPoint> arbitrary;
   cv::RNG random(11);
   for (int i = 0; i < 40; ++i) {

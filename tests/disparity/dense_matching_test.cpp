@@ -17,7 +17,7 @@ std::vector<SupportPoint> make_frame_of_points(cv::Size size, int disparity) {
 }
 
 cv::Mat1f match_left(const SyntheticPair& pair, const std::vector<SupportPoint>& points, const ElasParams& params = {}) {
-  return match_dense(View::left, compute_descriptors(pair.left), compute_descriptors(pair.right), points, params);
+  return match_dense(View::left, DescriptorImage(pair.left), DescriptorImage(pair.right), points, params);
 }
 
 int count_valid(const cv::Mat1f& disparity) { return cv::countNonZero(disparity != kInvalidDisparity); }
@@ -66,8 +66,8 @@ TEST(DenseMatching, WallIsFoundInBothViews) {
   params.subpixel = false;
   const cv::Mat1f left = match_left(pair, points, params);
   EXPECT_EQ(cv::countNonZero(left.colRange(13 + 3, 91 - 3) == 13.0F), 72 * 47);
-  const cv::Mat1f right = match_dense(View::right, compute_descriptors(pair.right), compute_descriptors(pair.left),
-                                      move_to_right_view(points), params);
+  const cv::Mat1f right =
+      match_dense(View::right, DescriptorImage(pair.right), DescriptorImage(pair.left), move_to_right_view(points), params);
   EXPECT_EQ(cv::countNonZero(right.colRange(3, 78 - 3) == 13.0F), 72 * 47);
 }
 

@@ -14,14 +14,14 @@ namespace brink {
 namespace {
 
 TEST(Descriptors, EmptyPictureHasNone) {
-  const DescriptorImage descriptors = compute_descriptors(cv::Mat1b());
+  const DescriptorImage descriptors{cv::Mat1b()};
   EXPECT_EQ(descriptors.width(), 0);
   EXPECT_EQ(descriptors.height(), 0);
 }
 
 TEST(Descriptors, OnePixelHasNoTexture) {
-  const DescriptorImage descriptors = compute_descriptors(cv::Mat1b(1, 1, std::uint8_t{200}));
-  EXPECT_EQ(compute_texture(descriptors.row(0)[0]), 0);
+  const DescriptorImage descriptors(cv::Mat1b(1, 1, std::uint8_t{200}));
+  EXPECT_EQ(compute_texture(descriptors.at(0, 0)), 0);
 }
 
 TEST(Descriptors, RampHasItsSlopeInEverySampleAlongIt) {
@@ -30,7 +30,7 @@ TEST(Descriptors, RampHasItsSlopeInEverySampleAlongIt) {
     for (int u = 0; u < ramp.cols; ++u) ramp(v, u) = static_cast<std::uint8_t>(4 * u);
   }
   // Sobel: (1 + 2 + 1) * (4 * (u + 1) - 4 * (u - 1)) = 32, / 4 = 8 in each of the 12 horizontal samples.
-  const Descriptor descriptor = compute_descriptors(ramp).row(4)[5];
+  const Descriptor descriptor = DescriptorImage(ramp).at(5, 4);
   EXPECT_EQ(descriptor, (Descriptor{136, 136, 136, 136, 136, 136, 136, 136, 136, 136, 136, 136, 128, 128, 128, 128}));
   EXPECT_EQ(compute_texture(descriptor), 96);
 }
@@ -50,19 +50,32 @@ TEST(Descriptors, EqualTheDefinitionOnOddSizes) {
     cv::Mat1b image(size);
     cv::RNG(7).fill(image, cv::RNG::UNIFORM, 0, 256);
     test::for_each_target([&] {
-      const DescriptorImage descriptors = compute_descriptors(image);
+      const DescriptorImage descriptors(image);
+      DescriptorRow memory(size.width);
       ASSERT_EQ(descriptors.width(), size.width);
       ASSERT_EQ(descriptors.height(), size.height);
       for (int v = 0; v < size.height; ++v) {
         std::vector<std::int16_t> texture(static_cast<std::size_t>(size.width));
-        compute_texture_row(descriptors.row(v), size.width, texture.data());
+        const Descriptor* const row = memory.gather(descriptors, v);
+        compute_texture_row(row, size.width, texture.data());
         for (int u = 0; u < size.width; ++u) {
-          ASSERT_EQ(descriptors.row(v)[u], reference::describe(image, u, v)) << u << "," << v;
-          ASSERT_EQ(texture[static_cast<std::size_t>(u)], compute_texture(descriptors.row(v)[u])) << u << "," << v;
+          ASSERT_EQ(row[u], reference::describe(image, u, v)) << u << "," << v;
+          ASSERT_EQ(row[u], descriptors.at(u, v)) << u << "," << v;
+          ASSERT_EQ(texture[static_cast<std::size_t>(u)], compute_texture(row[u])) << u << "," << v;
         }
       }
     });
   }
+}
+
+TEST(Descriptors, SameMemoryDescribesAnotherPicture) {
+  cv::Mat1b image(12, 31);
+  cv::RNG(9).fill(image, cv::RNG::UNIFORM, 0, 256);
+  DescriptorImage descriptors(make_texture({50, 40}, 1));
+  descriptors.assign(image);
+  ASSERT_EQ(descriptors.width(), 31);
+  ASSERT_EQ(descriptors.height(), 12);
+  EXPECT_EQ(descriptors.at(30, 11), reference::describe(image, 30, 11));
 }
 
 }  // namespace

@@ -10,8 +10,8 @@ namespace brink {
 namespace {
 
 void expect_equal_to_twin(const SyntheticPair& pair, const ElasParams& params) {
-  const DescriptorImage left = compute_descriptors(pair.left);
-  const DescriptorImage right = compute_descriptors(pair.right);
+  const DescriptorImage left(pair.left);
+  const DescriptorImage right(pair.right);
   const SupportGrid expected = reference::match_support_candidates(left, right, params);
   test::for_each_target([&] {
     const SupportGrid grid = match_support_candidates(left, right, params);

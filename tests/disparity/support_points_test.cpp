@@ -8,7 +8,7 @@ namespace brink {
 namespace {
 
 std::vector<SupportPoint> find(const SyntheticPair& pair, const ElasParams& params = {}) {
-  return find_support_points(compute_descriptors(pair.left), compute_descriptors(pair.right), params);
+  return find_support_points(DescriptorImage(pair.left), DescriptorImage(pair.right), params);
 }
 
 int count(const SupportGrid& grid) { return cv::countNonZero(grid != kNoSupport); }
@@ -51,7 +51,7 @@ TEST(SupportPoints, RepeatedPatternIsNotCertain) {
   for (int v = 0; v < stripes.rows; ++v) {
     for (int u = 0; u < stripes.cols; ++u) stripes(v, u) = (u / 4) % 2 == 0 ? 50 : 200;
   }
-  EXPECT_EQ(count(match_support_candidates(compute_descriptors(stripes), compute_descriptors(stripes), {})), 0);
+  EXPECT_EQ(count(match_support_candidates(DescriptorImage(stripes), DescriptorImage(stripes), {})), 0);
 }
 
 TEST(SupportPoints, LonelyPointIsInconsistent) {

@@ -54,9 +54,7 @@ class PixelMatcher {
     int energy = 0;
   };
 
-  [[nodiscard]] int cost(int u, int v, int d) const {
-    return compute_cost(image_.row(v)[u], other_.row(v)[u + direction_ * d]);
-  }
+  [[nodiscard]] int cost(int u, int v, int d) const { return compute_cost(image_.at(u, v), other_.at(u + direction_ * d, v)); }
 
   [[nodiscard]] bool is_ambiguous(const Candidate& best, const std::vector<Candidate>& candidates) const {
     if (params_.match_margin <= 0.0) return false;

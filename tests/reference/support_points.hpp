@@ -20,17 +20,12 @@ inline constexpr int kArm = 2;
 /// With fewer disparities to choose from, being best means little.
 inline constexpr int kMinRange = 10;
 
-/// The rows of descriptors above and below a candidate, in the view it lies in and in the other one.
-struct CandidateRows {
-  const Descriptor* upper = nullptr;
-  const Descriptor* lower = nullptr;
-};
-
-inline CandidateRows rows_around(const DescriptorImage& image, int v) { return {image.row(v - kArm), image.row(v + kArm)}; }
-
-inline int compute_support_cost(const CandidateRows& a, int u, const CandidateRows& b, int other_u) {
-  return compute_cost(a.upper[u - kArm], b.upper[other_u - kArm]) + compute_cost(a.upper[u + kArm], b.upper[other_u + kArm]) +
-         compute_cost(a.lower[u - kArm], b.lower[other_u - kArm]) + compute_cost(a.lower[u + kArm], b.lower[other_u + kArm]);
+inline int compute_support_cost(const DescriptorImage& a, int u, const DescriptorImage& b, int other_u, int v) {
+  int cost = 0;
+  for (const int dv : {-kArm, kArm}) {
+    for (const int du : {-kArm, kArm}) cost += compute_cost(a.at(u + du, v + dv), b.at(other_u + du, v + dv));
+  }
+  return cost;
 }
 
 /// The disparity of pixel (u, v) of `image`, whose counterpart in `other` lies at u + direction * disparity; kNoSupport if no
@@ -41,13 +36,11 @@ inline int match_support_point(const DescriptorImage& image, const DescriptorIma
   const int room = direction < 0 ? u - kBorder : image.width() - 1 - kBorder - u;
   const int last = std::min(params.max_disparity, room);
   if (last - params.min_disparity < kMinRange) return kNoSupport;
-  if (compute_texture(image.row(v)[u]) < params.support_texture) return kNoSupport;
+  if (compute_texture(image.at(u, v)) < params.support_texture) return kNoSupport;
 
-  const CandidateRows rows = rows_around(image, v);
-  const CandidateRows other_rows = rows_around(other, v);
   costs.clear();
   for (int d = params.min_disparity; d <= last; ++d) {
-    costs.push_back(compute_support_cost(rows, u, other_rows, u + direction * d));
+    costs.push_back(compute_support_cost(image, u, other, u + direction * d, v));
   }
   const auto best = std::min_element(costs.begin(), costs.end());
   // The foot of the minimum is no rival: next to the best all costs are low where the texture is coarse.
