@@ -126,9 +126,16 @@ void register_step(const char* name, const auto& step) {
   });
   register_step("elas/consistency",
                 [](const Pair&, const Steps& steps) { return brink::check_consistency(steps.dense, steps.dense_right, 2.0F); });
-  register_step("elas/speckles",
-                [](const Pair&, const Steps& steps) { return brink::remove_speckles(steps.checked, 1.0F, 200); });
-  register_step("elas/gaps", [](const Pair&, const Steps& steps) { return brink::fill_gaps(steps.checked, 5, false); });
+  register_step("elas/speckles", [](const Pair&, const Steps& steps) {
+    cv::Mat1f disparity = steps.checked.clone();
+    brink::remove_speckles(disparity, 1.0F, 200);
+    return disparity;
+  });
+  register_step("elas/gaps", [](const Pair&, const Steps& steps) {
+    cv::Mat1f disparity = steps.checked.clone();
+    brink::fill_gaps(disparity, 5, false);
+    return disparity;
+  });
   register_step("elas/mean", [](const Pair&, const Steps& steps) { return brink::filter_adaptive_mean(steps.checked); });
   return true;
 }();

@@ -139,11 +139,20 @@ std::vector<Step> measure_steps(const Pair& pair, const ElasParams& params) {
   add("dense matching",
       count_dense_costs(View::left, left, points, params) + count_dense_costs(View::right, right, right_points, params),
       2.0 * gradient_bytes + map_bytes, matching);
-  const cv::Mat1f checked = map;
   const auto similarity = static_cast<float>(params.speckle_similarity_px);
-  add("segments", 0.0, 2.0 * map_bytes, median_ms([&] { map = remove_speckles(checked, similarity, params.speckle_size_px); }));
-  const cv::Mat1f clean = map;
-  add("gaps", 0.0, 2.0 * map_bytes, median_ms([&] { map = fill_gaps(clean, params.gap_width_px, params.fill_across_steps); }));
+  // In place: the copies that they change are made before.
+  const auto time_change = [&](const auto& change) {
+    std::vector<cv::Mat1f> copies;
+    for (int i = 0; i < kRounds; ++i) copies.push_back(map.clone());
+    auto copy = copies.begin();
+    const double ms = median_ms([&] { change(*copy++); });
+    map = copies.front();
+    return ms;
+  };
+  add("segments", 0.0, 2.0 * map_bytes,
+      time_change([&](cv::Mat1f& copy) { remove_speckles(copy, similarity, params.speckle_size_px); }));
+  add("gaps", 0.0, 2.0 * map_bytes,
+      time_change([&](cv::Mat1f& copy) { fill_gaps(copy, params.gap_width_px, params.fill_across_steps); }));
   const cv::Mat1f filled = map;
   add("mean", 0.0, 2.0 * map_bytes, median_ms([&] { map = filter_adaptive_mean(filled); }));
   return steps;

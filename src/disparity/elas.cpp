@@ -32,11 +32,11 @@ class ElasMatcher : public StereoMatcher {
 
  private:
   [[nodiscard]] cv::Mat1f clean_up(cv::Mat1f disparity) const {
-    disparity = remove_speckles(disparity, static_cast<float>(params_.speckle_similarity_px), params_.speckle_size_px);
-    disparity = fill_gaps(disparity, params_.gap_width_px, params_.fill_across_steps);
-    if (params_.add_corners) disparity = extend_to_borders(disparity, params_.gap_width_px);
+    remove_speckles(disparity, static_cast<float>(params_.speckle_similarity_px), params_.speckle_size_px);
+    fill_gaps(disparity, params_.gap_width_px, params_.fill_across_steps);
+    if (params_.add_corners) extend_to_borders(disparity, params_.gap_width_px);
     if (params_.filter_adaptive_mean) disparity = filter_adaptive_mean(disparity);
-    if (params_.filter_median) disparity = filter_median(disparity);
+    if (params_.filter_median) filter_median(disparity);
     return disparity;
   }
 

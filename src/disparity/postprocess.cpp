@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <tbb/blocked_range.h>
@@ -11,6 +13,7 @@
 
 #include "brink/disparity.hpp"
 #include "disparity/postprocess_simd.hpp"
+#include "disparity/valid_bits_simd.hpp"
 
 namespace brink {
 namespace {
@@ -34,13 +37,11 @@ class Line {
 
 /// Applies `change` to each row, then to each column of the result.
 template <typename Change>
-cv::Mat1f change_lines(const cv::Mat1f& disparity, const Change& change) {
-  cv::Mat1f result = disparity.clone();
-  if (result.empty()) return result;
-  tbb::parallel_for(0, result.rows, [&](int v) { change(Line(result[v], 1, result.cols)); });
-  const auto row_step = static_cast<std::ptrdiff_t>(result.step1());
-  tbb::parallel_for(0, result.cols, [&](int u) { change(Line(result[0] + u, row_step, result.rows)); });
-  return result;
+void change_lines(cv::Mat1f& disparity, const Change& change) {
+  if (disparity.empty()) return;
+  tbb::parallel_for(0, disparity.rows, [&](int v) { change(Line(disparity[v], 1, disparity.cols)); });
+  const auto row_step = static_cast<std::ptrdiff_t>(disparity.step1());
+  tbb::parallel_for(0, disparity.cols, [&](int u) { change(Line(disparity[0] + u, row_step, disparity.rows)); });
 }
 
 /// Fills line[begin, end) between two valid pixels: a straight line where both lie on one surface.
@@ -56,30 +57,34 @@ void fill_gap(const Line& line, int begin, int end, bool across_steps) {
   }
 }
 
-/// Whether line[begin, end) is to be filled. @param begin one behind the last valid pixel, 0 = none.
-bool is_gap(int begin, int end, int max_width) { return 0 < begin && begin < end && end - begin <= max_width; }
-
-void fill_gaps_of_row(const Line& row, int max_width, bool across_steps) {
-  int begin = 0;
-  for (int u = 0; u < row.size(); ++u) {
-    if (!row.is_valid(u)) continue;
-    if (is_gap(begin, u, max_width)) fill_gap(row, begin, u, across_steps);
-    begin = u + 1;
-  }
+/// @param valid which pixels are; those that are filled are added.
+void fill_gaps_of_row(const Line& row, int max_width, bool across_steps, PixelBits& valid) {
+  ValidBits bits;
+  find_valid_bits(&row[0], row.size(), std::numeric_limits<float>::infinity(), bits);
+  valid = bits.valid;
+  int gap = 0;  // where it begins, 0 = not behind a valid pixel
+  for_each_run(bits, [&](int begin, int end) {
+    if (gap > 0 && begin - gap <= max_width) {
+      fill_gap(row, gap, begin, across_steps);
+      for (int u = gap; u < begin; ++u) {
+        if (row.is_valid(u)) valid[static_cast<std::size_t>(u / 64)] |= std::uint64_t{1} << static_cast<unsigned>(u % 64);
+      }
+    }
+    gap = end;
+  });
 }
 
-/// In some columns at a time, row by row, in which order they lie in memory.
-void fill_gaps_of_columns(cv::Mat1f& image, const cv::Range& columns, int max_width, bool across_steps) {
+/// In up to 64 columns together. @param valid of each row.
+void fill_gaps_of_columns(cv::Mat1f& image, const std::vector<PixelBits>& valid, std::size_t word, int max_width,
+                          bool across_steps) {
   const auto row_step = static_cast<std::ptrdiff_t>(image.step1());
-  std::vector<int> begins(static_cast<std::size_t>(columns.size()), 0);
-  for (int v = 0; v < image.rows; ++v) {
-    const float* const row = image[v] + columns.start;
-    for (std::size_t i = 0; i < begins.size(); ++i) {
-      if (row[i] == kInvalidDisparity) continue;
-      if (is_gap(begins[i], v, max_width)) {
-        fill_gap(Line(image[0] + columns.start + i, row_step, image.rows), begins[i], v, across_steps);
-      }
-      begins[i] = v + 1;
+  const auto valid_in = [&](int v) { return valid[static_cast<std::size_t>(v)][word]; };
+  for (int v = 1; v < image.rows; ++v) {
+    std::uint64_t open = valid_in(v) & ~valid_in(v - 1);  // what begins here, as long as no valid pixel is met above
+    for (int begin = v - 1; open != 0 && begin > 0 && v - begin <= max_width; --begin) {
+      for_each_bit(open & valid_in(begin - 1), word,
+                   [&](int u) { fill_gap(Line(image[0] + u, row_step, image.rows), begin, v, across_steps); });
+      open &= ~valid_in(begin - 1);
     }
   }
 }
@@ -155,22 +160,6 @@ class Segments {
   std::vector<int> sizes_;  ///< of a root: of all its runs, px
 };
 
-void add_runs(const float* row, int v, int width, float similarity_px, Segments& segments) {
-  int u = 0;
-  while (u < width) {
-    if (row[u] == kInvalidDisparity) {
-      ++u;
-      continue;
-    }
-    Run run{v, u, u + 1};
-    while (run.end < width && row[run.end] != kInvalidDisparity && std::abs(row[run.end] - row[run.end - 1]) <= similarity_px) {
-      ++run.end;
-    }
-    segments.add(run);
-    u = run.end;
-  }
-}
-
 /// Joins the runs of two rows that touch in pixels which are alike.
 void join_rows(const float* upper, cv::Range upper_runs, const float* lower, cv::Range lower_runs, float similarity_px,
                Segments& segments) {
@@ -190,67 +179,71 @@ void join_rows(const float* upper, cv::Range upper_runs, const float* lower, cv:
 
 }  // namespace
 
-cv::Mat1f remove_speckles(const cv::Mat1f& disparity, float similarity_px, int min_size_px) {
+void remove_speckles(cv::Mat1f& disparity, float similarity_px, int min_size_px) {
   // Segments are found as runs: similar neighbours of a row, joined to those of the row above.
   Segments segments;
+  ValidBits bits;
   cv::Range above(0, 0);  // the runs of the row above
   for (int v = 0; v < disparity.rows; ++v) {
     const int first = segments.count();
-    add_runs(disparity[v], v, disparity.cols, similarity_px, segments);
+    find_valid_bits(disparity[v], disparity.cols, similarity_px, bits);
+    for_each_run(bits, [&](int begin, int end) { segments.add({v, begin, end}); });
     const cv::Range here(first, segments.count());
     if (v > 0) join_rows(disparity[v - 1], above, disparity[v], here, similarity_px, segments);
     above = here;
   }
-  cv::Mat1f result = disparity.clone();
   for (int i = 0; i < segments.count(); ++i) {
     if (segments.size_of(i) >= min_size_px) continue;
     const Run& run = segments.run(i);
-    std::fill(result[run.v] + run.begin, result[run.v] + run.end, kInvalidDisparity);
+    std::fill(disparity[run.v] + run.begin, disparity[run.v] + run.end, kInvalidDisparity);
   }
-  return result;
 }
 
-cv::Mat1f fill_gaps(const cv::Mat1f& disparity, int max_width_px, bool across_steps) {
-  cv::Mat1f result = disparity.clone();
-  if (result.empty()) return result;
-  tbb::parallel_for(0, result.rows,
-                    [&](int v) { fill_gaps_of_row(Line(result[v], 1, result.cols), max_width_px, across_steps); });
-  constexpr int kColumns = 128;
-  tbb::parallel_for(tbb::blocked_range<int>(0, result.cols, kColumns), [&](const tbb::blocked_range<int>& columns) {
-    fill_gaps_of_columns(result, {columns.begin(), columns.end()}, max_width_px, across_steps);
+void fill_gaps(cv::Mat1f& disparity, int max_width_px, bool across_steps) {
+  if (disparity.empty()) return;
+  std::vector<PixelBits> valid(static_cast<std::size_t>(disparity.rows));
+  tbb::parallel_for(0, disparity.rows, [&](int v) {
+    const Line row(disparity[v], 1, disparity.cols);
+    fill_gaps_of_row(row, max_width_px, across_steps, valid[static_cast<std::size_t>(v)]);
   });
-  return result;
+  tbb::parallel_for(std::size_t{0}, valid.front().size(),
+                    [&](std::size_t word) { fill_gaps_of_columns(disparity, valid, word, max_width_px, across_steps); });
 }
 
-cv::Mat1f extend_to_borders(const cv::Mat1f& disparity, int max_width_px) {
-  return change_lines(disparity, [max_width_px](const Line& line) { extend_line(line, max_width_px); });
+void extend_to_borders(cv::Mat1f& disparity, int max_width_px) {
+  change_lines(disparity, [max_width_px](const Line& line) { extend_line(line, max_width_px); });
 }
 
 cv::Mat1f filter_adaptive_mean(const cv::Mat1f& disparity) {
-  const cv::Size size = disparity.size();
-  cv::Mat1f along_rows(size);
-  tbb::parallel_for(0, size.height, [&](int v) {
+  const int width = disparity.cols;
+  const int height = disparity.rows;
+  cv::Mat1f result(disparity.size());
+  // Some rows at a time: what becomes of a row is still in the cache when its columns are filtered.
+  constexpr int kRows = 64;
+  tbb::parallel_for(tbb::blocked_range<int>(0, height, kRows), [&](const tbb::blocked_range<int>& rows) {
     std::array<const float*, 2 * kReach + 1> around{};
-    std::vector<float> padded(static_cast<std::size_t>(size.width) + around.size(), kInvalidDisparity);
-    std::copy_n(disparity[v], size.width, padded.begin() + kReach);
-    for (std::size_t k = 0; k < around.size(); ++k) around[k] = padded.data() + k;
-    filter_mean_line(around, size.width, along_rows[v]);
-  });
-  const std::vector<float> outside(static_cast<std::size_t>(size.width), kInvalidDisparity);
-  cv::Mat1f result(size);
-  tbb::parallel_for(0, size.height, [&](int v) {
-    std::array<const float*, 2 * kReach + 1> around{};
-    for (std::size_t k = 0; k < around.size(); ++k) {
-      const int row = v - kReach + static_cast<int>(k);
-      around[k] = row >= 0 && row < size.height ? along_rows[row] : outside.data();
+    std::vector<float> padded(static_cast<std::size_t>(width) + around.size(), kInvalidDisparity);
+    cv::Mat1f along_rows(static_cast<int>(rows.size()) + 2 * kReach, width);
+    const int first = rows.begin() - kReach;
+    for (int v = first; v < rows.end() + kReach; ++v) {
+      if (v < 0 || v >= height) {
+        std::fill_n(along_rows[v - first], width, kInvalidDisparity);
+        continue;
+      }
+      std::copy_n(disparity[v], width, padded.begin() + kReach);
+      for (std::size_t k = 0; k < around.size(); ++k) around[k] = padded.data() + k;
+      filter_mean_line(around, width, along_rows[v - first]);
     }
-    filter_mean_line(around, size.width, result[v]);
+    for (int v = rows.begin(); v < rows.end(); ++v) {
+      for (std::size_t k = 0; k < around.size(); ++k) around[k] = along_rows[v - rows.begin() + static_cast<int>(k)];
+      filter_mean_line(around, width, result[v]);
+    }
   });
   return result;
 }
 
-cv::Mat1f filter_median(const cv::Mat1f& disparity) {
-  return change_lines(disparity, [](const Line& line) { filter_line(line, median); });
+void filter_median(cv::Mat1f& disparity) {
+  change_lines(disparity, [](const Line& line) { filter_line(line, median); });
 }
 
 }  // namespace brink

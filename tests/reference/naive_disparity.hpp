@@ -10,6 +10,7 @@
 
 #include "brink/disparity.hpp"
 #include "disparity/descriptors.hpp"
+#include "disparity/valid_bits_simd.hpp"
 
 // The naive twins of the disparity kernels: the definition, pixel by pixel, however slow.
 namespace brink::reference {
@@ -71,6 +72,40 @@ inline cv::Mat1f remove_speckles(const cv::Mat1f& disparity, float similarity_px
     }
   }
   return result;
+}
+
+/// find_valid_bits, pixel by pixel.
+inline ValidBits find_valid_bits(const std::vector<float>& row, float similarity_px) {
+  ValidBits bits{PixelBits((row.size() + 63) / 64, 0), PixelBits((row.size() + 63) / 64, 0)};
+  for (std::size_t u = 0; u < row.size(); ++u) {
+    if (row[u] == kInvalidDisparity) continue;
+    const std::uint64_t bit = std::uint64_t{1} << (u % 64);
+    bits.valid[u / 64] |= bit;
+    if (u + 1 == row.size() || row[u + 1] == kInvalidDisparity) continue;
+    if (std::abs(row[u + 1] - row[u]) <= similarity_px) bits.joined[u / 64] |= bit;
+  }
+  return bits;
+}
+
+/// algorithms.md A.7.2 along one line: runs of invalid pixels between two valid ones.
+inline std::vector<float> fill_gaps(std::vector<float> line, int max_width, bool across_steps) {
+  int last_valid = -1;
+  for (int i = 0; i < static_cast<int>(line.size()); ++i) {
+    const float after = line[static_cast<std::size_t>(i)];
+    if (after == kInvalidDisparity) continue;
+    const int width = i - last_valid - 1;
+    if (last_valid >= 0 && width > 0 && width <= max_width) {
+      const float before = line[static_cast<std::size_t>(last_valid)];
+      const bool one_surface = std::abs(before - after) < 3.0F;
+      for (int k = 1; k <= width; ++k) {
+        float& gap = line[static_cast<std::size_t>(last_valid + k)];
+        if (one_surface) gap = before + (after - before) / static_cast<float>(width + 1) * static_cast<float>(k);
+        if (!one_surface && across_steps) gap = std::min(before, after);
+      }
+    }
+    last_valid = i;
+  }
+  return line;
 }
 
 /// algorithms.md A.7.4 along one line, as it is meant.
