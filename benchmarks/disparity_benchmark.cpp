@@ -122,7 +122,8 @@ void register_step(const char* name, const auto& step) {
     return brink::match_dense(brink::View::left, steps.left, steps.right, steps.points, Steps::params());
   });
   register_step("elas/dense_both", [](const Pair&, const Steps& steps) {
-    return brink::match_both_views(steps.left, steps.right, steps.points, Steps::params());
+    brink::DenseMemory memory;
+    return brink::match_both_views(steps.left, steps.right, steps.points, Steps::params(), memory);
   });
   register_step("elas/consistency",
                 [](const Pair&, const Steps& steps) { return brink::check_consistency(steps.dense, steps.dense_right, 2.0F); });

@@ -135,7 +135,8 @@ std::vector<Step> measure_steps(const Pair& pair, const ElasParams& params) {
   add("support candidates", count_support_costs(candidates, left.width(), params), 2.0 * gradient_bytes, supporting);
   points = find_support_points(left, right, params);
   const std::vector<SupportPoint> right_points = move_to_right_view(points);
-  const double matching = median_ms([&] { map = match_both_views(left, right, points, params); });
+  DenseMemory memory;
+  const double matching = median_ms([&] { map = match_both_views(left, right, points, params, memory); });
   add("dense matching",
       count_dense_costs(View::left, left, points, params) + count_dense_costs(View::right, right, right_points, params),
       2.0 * gradient_bytes + map_bytes, matching);

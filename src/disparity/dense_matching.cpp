@@ -30,12 +30,15 @@ std::array<SupportPoint, 3> corners_of(const Triangle& triangle, const std::vect
 /// Matches the rows of a view.
 class ViewMatcher {
  public:
-  ViewMatcher(View view, const DescriptorImage& image, const std::vector<SupportPoint>& points, const ElasParams& params)
+  ViewMatcher(View view, const DescriptorImage& image, const std::vector<SupportPoint>& points, const ElasParams& params,
+              const DensePrior& memory = {})
       : view_(view),
         width_(image.width()),
         params_(params),
-        known_(make_dense_prior(view, image, points, params)),
+        known_(make_dense_prior(view, image, points, params, memory)),
         penalty_(make_penalty(params)) {}
+
+  [[nodiscard]] const DensePrior& known() const { return known_; }
 
   /// @param row, other_row descriptors of row v of this and of the other view.
   void match_row(int v, const Descriptor* row, const Descriptor* other_row, RowSearch& search, float* disparity) const {
@@ -54,18 +57,25 @@ class ViewMatcher {
 
 }  // namespace
 
-cv::Mat1b find_textured(const DescriptorImage& image, const ElasParams& params) {
-  cv::Mat1s texture(image.height(), image.width());
-  tbb::parallel_for(tbb::blocked_range<int>(0, texture.rows), [&](const tbb::blocked_range<int>& rows) {
-    DescriptorRow row(texture.cols);
-    for (int v = rows.begin(); v < rows.end(); ++v) compute_texture_row(row.gather(image, v), texture.cols, texture[v]);
+cv::Mat1b find_textured(const DescriptorImage& image, const ElasParams& params, const cv::Mat1b& memory) {
+  const int width = image.width();
+  const int height = image.height();
+  const int radius = params.texture_radius_px;
+  const int window = 2 * radius + 1;
+  cv::Mat1b textured = make_padded_rows({width, height}, memory);
+  // Some rows at a time: what is in between stays in the cache.
+  constexpr int kRows = 128;
+  tbb::parallel_for(tbb::blocked_range<int>(0, height, kRows), [&](const tbb::blocked_range<int>& rows) {
+    const int first = std::max(rows.begin() - radius, 0);
+    cv::Mat1s texture(std::min(rows.end() + radius, height) - first, width);
+    DescriptorRow row(width);
+    for (int i = 0; i < texture.rows; ++i) compute_texture_row(row.gather(image, first + i), width, texture[i]);
+    cv::Mat1i sum;  // boxFilter reads the rows around the part that it is given
+    cv::boxFilter(texture.rowRange(rows.begin() - first, rows.end() - first), sum, CV_32S, {window, window}, {-1, -1}, false,
+                  cv::BORDER_REPLICATE);
+    cv::Mat1b part = textured.rowRange(rows.begin(), rows.end());
+    cv::compare(sum, params.match_texture * window * window, part, cv::CMP_GE);
   });
-  const int window = 2 * params.texture_radius_px + 1;
-  cv::Mat1i sum;
-  cv::boxFilter(texture, sum, CV_32S, {window, window}, {-1, -1}, false, cv::BORDER_REPLICATE);
-  cv::Mat1b padded(texture.rows, texture.cols + kRowPadding);
-  cv::Mat1b textured = padded.colRange(0, texture.cols);
-  cv::compare(sum, params.match_texture * window * window, textured, cv::CMP_GE);
   return textured;
 }
 
@@ -131,11 +141,11 @@ Penalty make_penalty(const ElasParams& params) {
 }
 
 DensePrior make_dense_prior(View view, const DescriptorImage& image, const std::vector<SupportPoint>& points,
-                            const ElasParams& params) {
+                            const ElasParams& params, const DensePrior& memory) {
   const cv::Size size(image.width(), image.height());
   const std::vector<Triangle> triangles = triangulate(points);
-  return {.expected = expect_disparities(points, triangles, fit_planes(view, points, triangles), size),
-          .textured = find_textured(image, params),
+  return {.expected = expect_disparities(points, triangles, fit_planes(view, points, triangles), size, memory.expected),
+          .textured = find_textured(image, params, memory.textured),
           .grid = make_candidate_grid(points, size, params)};
 }
 
@@ -154,11 +164,11 @@ cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorI
 }
 
 cv::Mat1f match_both_views(const DescriptorImage& left, const DescriptorImage& right, const std::vector<SupportPoint>& points,
-                           const ElasParams& params) {
+                           const ElasParams& params, DenseMemory& memory) {
   std::optional<ViewMatcher> left_matcher;
   std::optional<ViewMatcher> right_matcher;
-  tbb::parallel_invoke([&] { left_matcher.emplace(View::left, left, points, params); },
-                       [&] { right_matcher.emplace(View::right, right, move_to_right_view(points), params); });
+  tbb::parallel_invoke([&] { left_matcher.emplace(View::left, left, points, params, memory.left); },
+                       [&] { right_matcher.emplace(View::right, right, move_to_right_view(points), params, memory.right); });
 
   const int width = left.width();
   const auto threshold = static_cast<float>(params.consistency_threshold_px);
@@ -177,6 +187,7 @@ cv::Mat1f match_both_views(const DescriptorImage& left, const DescriptorImage& r
       check_consistency_row(left_disparity.data(), right_disparity.data(), width, threshold, disparity[v]);
     }
   });
+  memory = {left_matcher->known(), right_matcher->known()};
   return disparity;
 }
 

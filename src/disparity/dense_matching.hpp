@@ -17,6 +17,14 @@ namespace brink {
 /// So many pixels behind a row can be read, for vectors that reach beyond its end.
 inline constexpr int kRowPadding = 64;
 
+/// An image of this size that does, with arbitrary pixels. @param memory an earlier one, whose memory is used again.
+template <typename Pixel>
+cv::Mat_<Pixel> make_padded_rows(cv::Size size, cv::Mat_<Pixel> memory) {
+  if (!memory.empty()) memory.adjustROI(0, 0, 0, kRowPadding);
+  memory.create(size.height, size.width + kRowPadding);
+  return memory.colRange(0, size.width);
+}
+
 /// The view whose pixels are matched; the counterpart lies at u - d for the left and at u + d for the right view.
 enum class View : std::uint8_t { left, right };
 
@@ -73,8 +81,8 @@ Penalty make_penalty(const ElasParams& params);
 
 /// Where the mean texture of the window around a pixel is at least match_texture: 255, elsewhere 0. A single pixel on a weakly
 /// textured surface may have none by chance, and one without any surface may have some by noise; their surroundings tell.
-/// @return kRowPadding more pixels can be read behind every row.
-cv::Mat1b find_textured(const DescriptorImage& image, const ElasParams& params);
+/// @param memory an earlier result, whose memory is used again. @return kRowPadding more pixels can be read behind every row.
+cv::Mat1b find_textured(const DescriptorImage& image, const ElasParams& params, const cv::Mat1b& memory = {});
 
 /// What is known of the pixels of a view before they are matched.
 struct DensePrior {
@@ -82,8 +90,9 @@ struct DensePrior {
   cv::Mat1b textured;  ///< find_textured
   CandidateGrid grid;
 };
+/// @param memory an earlier one, whose memory is used again.
 DensePrior make_dense_prior(View view, const DescriptorImage& image, const std::vector<SupportPoint>& points,
-                            const ElasParams& params);
+                            const ElasParams& params, const DensePrior& memory = {});
 
 /// The most probable disparity of every pixel of a view, given its plane and the descriptors (ACCV 2010, section 4;
 /// algorithms.md A.6). @param points of that view.
@@ -91,9 +100,15 @@ DensePrior make_dense_prior(View view, const DescriptorImage& image, const std::
 cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorImage& other,
                       const std::vector<SupportPoint>& points, const ElasParams& params);
 
+/// Memory of match_both_views that is used again for the next pair.
+struct DenseMemory {
+  DensePrior left;
+  DensePrior right;
+};
+
 /// check_consistency of what match_dense finds in the left and in the right view, row by row while the descriptors of the row
 /// are at hand. @param points of the left view.
 cv::Mat1f match_both_views(const DescriptorImage& left, const DescriptorImage& right, const std::vector<SupportPoint>& points,
-                           const ElasParams& params);
+                           const ElasParams& params, DenseMemory& memory);
 
 }  // namespace brink

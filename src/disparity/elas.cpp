@@ -27,7 +27,7 @@ class ElasMatcher : public StereoMatcher {
     const std::vector<SupportPoint> points = find_support_points(left_, right_, params_);
     if (points.size() < 3) return {left.size(), kInvalidDisparity};
 
-    return clean_up(match_both_views(left_, right_, points, params_));
+    return clean_up(match_both_views(left_, right_, points, params_, memory_));
   }
 
  private:
@@ -41,8 +41,10 @@ class ElasMatcher : public StereoMatcher {
   }
 
   ElasParams params_;
-  DescriptorImage left_;  // their memory is used again
+  // Memory that is used again:
+  DescriptorImage left_;
   DescriptorImage right_;
+  DenseMemory memory_;
 };
 
 }  // namespace

@@ -23,7 +23,17 @@ class Side {
   [[nodiscard]] int per_column() const { return -rise_; }
   [[nodiscard]] int per_row() const { return run_; }
 
+  /// Leaves of the rows those in which a pixel of columns [begin, last] can lie inside of this side.
+  void limit(int begin, int last, cv::Range& rows) const {
+    const int least = rise_ * ((rise_ > 0 ? begin : last) - from_.u);  // run (v - from.v) must be this or more
+    if (run_ > 0) rows.start = std::max(rows.start, from_.v + divide_up(least, run_));
+    if (run_ < 0) rows.end = std::min(rows.end, from_.v - divide_up(least, -run_) + 1);
+  }
+
  private:
+  /// ceil(a / b), b > 0.
+  static int divide_up(int a, int b) { return a > 0 ? (a + b - 1) / b : -(-a / b); }
+
   SupportPoint from_;
   int run_;
   int rise_;
@@ -56,17 +66,17 @@ void paint_columns(const std::array<Side, 3>& sides, const PriorPlane& plane, in
   const auto twice_far = hn::Set(ints, 2 * static_cast<std::int32_t>(kFar) - (plane.reliable ? 1 : 0));
   const auto along_u = hn::Mul(hn::Set(floats, plane.a), hn::Iota(floats, static_cast<float>(u)));
   const auto offset = hn::Set(floats, plane.c);
-  const auto outside = hn::Set(codes, -1);
+  const auto zero = hn::Zero(ints);
   std::int16_t* row = expected[rows.start] + u;
   for (int v = rows.start; v < rows.end; ++v) {
     // PriorPlane::whole_disparity
     const auto disparity = hn::Add(hn::Add(along_u, hn::Set(floats, plane.b * static_cast<float>(v))), offset);
     const auto limited = hn::Min(hn::Max(disparity, least), most);
     const auto whole = hn::ConvertTo(ints, hn::Add(limited, shift));
-    const auto code = hn::DemoteTo(codes, hn::Sub(hn::ShiftLeft<1>(whole), twice_far));
-    const auto least_inside = hn::DemoteTo(codes, hn::Min(hn::Min(inside0, inside1), inside2));
-    const auto before = hn::LoadU(codes, row);
-    hn::StoreU(hn::IfThenElse(hn::Gt(least_inside, outside), code, before), codes, row);
+    const auto code = hn::Sub(hn::ShiftLeft<1>(whole), twice_far);
+    const auto outside = hn::Lt(hn::Min(hn::Min(inside0, inside1), inside2), zero);
+    const auto before = hn::PromoteTo(ints, hn::LoadU(codes, row));
+    hn::StoreU(hn::DemoteTo(codes, hn::IfThenElse(outside, before, code)), codes, row);
     row += expected.step1();
     inside0 = hn::Add(inside0, down0);
     inside1 = hn::Add(inside1, down1);
@@ -79,8 +89,12 @@ void paint_triangle(const std::array<SupportPoint, 3>& corners, const PriorPlane
   const std::array<Side, 3> sides = {Side(p, q), Side(q, r), Side(r, p)};
   const cv::Range rows(std::max(std::min({p.v, q.v, r.v}), 0), std::min(std::max({p.v, q.v, r.v}) + 1, expected.rows));
   const int end = std::min(std::max({p.u, q.u, r.u}) + 1, expected.cols);
-  for (int u = std::max(std::min({p.u, q.u, r.u}), 0); u < end; u += static_cast<int>(hn::Lanes(Floats())))
-    paint_columns(sides, plane, u, rows, expected);
+  const auto lanes = static_cast<int>(hn::Lanes(Floats()));
+  for (int u = std::max(std::min({p.u, q.u, r.u}), 0); u < end; u += lanes) {
+    cv::Range reached = rows;
+    for (const Side& side : sides) side.limit(u, u + lanes - 1, reached);
+    if (reached.start < reached.end) paint_columns(sides, plane, u, reached, expected);
+  }
 }
 
 void paint_triangles(const std::vector<SupportPoint>& points, const std::vector<Triangle>& triangles,
@@ -101,9 +115,9 @@ namespace brink {
 HWY_EXPORT(paint_triangles);
 
 cv::Mat1s expect_disparities(const std::vector<SupportPoint>& points, const std::vector<Triangle>& triangles,
-                             const std::vector<PriorPlane>& planes, cv::Size size) {
-  cv::Mat1s padded(size.height, size.width + kRowPadding, ExpectedDisparity::kNoPlane);
-  cv::Mat1s expected = padded.colRange(0, size.width);
+                             const std::vector<PriorPlane>& planes, cv::Size size, const cv::Mat1s& memory) {
+  cv::Mat1s expected = make_padded_rows(size, memory);
+  for (int v = 0; v < size.height; ++v) std::fill_n(expected[v], size.width, ExpectedDisparity::kNoPlane);
   HWY_DYNAMIC_DISPATCH(paint_triangles)(points, triangles, planes, expected);
   return expected;
 }

@@ -26,9 +26,10 @@ struct ExpectedDisparity {
 };
 
 /// The ExpectedDisparity of every pixel. One on an edge belongs to the later of the two triangles.
-/// @param planes of the triangles. @return of `size`; kRowPadding more pixels can be read behind every row.
+/// @param planes of the triangles. @param memory an earlier result, whose memory is used again.
+/// @return of `size`; kRowPadding more pixels can be read behind every row.
 /// Equals the plain twin in tests/reference/dense_matching.hpp for every target.
 cv::Mat1s expect_disparities(const std::vector<SupportPoint>& points, const std::vector<Triangle>& triangles,
-                             const std::vector<PriorPlane>& planes, cv::Size size);
+                             const std::vector<PriorPlane>& planes, cv::Size size, const cv::Mat1s& memory = {});
 
 }  // namespace brink

@@ -26,8 +26,9 @@ void expect_equal_to_twin(const SyntheticPair& pair, const ElasParams& params) {
     const cv::Mat1f expected_right = reference::match_dense(View::right, right, left, moved, params);
     const cv::Mat1f confirmed =
         check_consistency(expected_left, expected_right, static_cast<float>(params.consistency_threshold_px));
+    DenseMemory memory;  // of the other targets, too
     test::for_each_target([&] {
-      EXPECT_EQ(cv::countNonZero(match_both_views(left, right, points, params) != confirmed), 0) << left.width();
+      EXPECT_EQ(cv::countNonZero(match_both_views(left, right, points, params, memory) != confirmed), 0) << left.width();
       EXPECT_EQ(cv::countNonZero(match_dense(View::left, left, right, points, params) != expected_left), 0) << left.width();
       EXPECT_EQ(cv::countNonZero(match_dense(View::right, right, left, moved, params) != expected_right), 0) << left.width();
     });
