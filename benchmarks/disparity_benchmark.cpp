@@ -60,7 +60,7 @@ struct Steps {
   explicit Steps(const Pair& pair)
       : left(pair.left),
         right(pair.right),
-        points(brink::find_support_points(left, right, params())),
+        points(brink::find_support_points(left, right, params(), support_memory)),
         dense(brink::match_dense(brink::View::left, left, right, points, params())),
         dense_right(brink::match_dense(brink::View::right, right, left, brink::move_to_right_view(points), params())),
         checked(brink::check_consistency(dense, dense_right, 2.0F)) {}
@@ -73,6 +73,7 @@ struct Steps {
 
   brink::DescriptorImage left;
   brink::DescriptorImage right;
+  brink::SupportMemory support_memory;
   std::vector<brink::SupportPoint> points;
   cv::Mat1f dense;
   cv::Mat1f dense_right;
@@ -100,15 +101,17 @@ void register_step(const char* name, const auto& step) {
   });
   register_step("elas/gradients", [](const Pair& pair, const Steps&) { return brink::DescriptorImage(pair.left).width(); });
   register_step("elas/descriptors", [](const Pair&, const Steps& steps) {
-    brink::DescriptorRow row(steps.left.width());
+    brink::DescriptorRow row;
     for (int v = 0; v < steps.left.height(); ++v) benchmark::DoNotOptimize(row.gather(steps.left, v));
     return steps.left.height();
   });
   register_step("elas/support_candidates", [](const Pair&, const Steps& steps) {
-    return brink::match_support_candidates(steps.left, steps.right, Steps::params());
+    brink::SupportMemory memory;
+    return brink::match_support_candidates(steps.left, steps.right, Steps::params(), memory);
   });
   register_step("elas/support_points", [](const Pair&, const Steps& steps) {
-    return brink::find_support_points(steps.left, steps.right, Steps::params()).size();
+    brink::SupportMemory memory;
+    return brink::find_support_points(steps.left, steps.right, Steps::params(), memory).size();
   });
   register_step("elas/triangulate", [](const Pair&, const Steps& steps) { return brink::triangulate(steps.points).size(); });
   register_step("elas/textured",

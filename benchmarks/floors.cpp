@@ -119,6 +119,7 @@ std::vector<Step> measure_steps(const Pair& pair, const ElasParams& params) {
   DescriptorImage left;
   DescriptorImage right;
   SupportGrid candidates;
+  SupportMemory support_memory;
   std::vector<SupportPoint> points;
   cv::Mat1f map;
   std::vector<Step> steps;
@@ -131,9 +132,9 @@ std::vector<Step> measure_steps(const Pair& pair, const ElasParams& params) {
     right.assign(pair.right);
   });
   add("gradients", 0.0, 2.0 * (pixels + gradient_bytes), describing);
-  const double supporting = median_ms([&] { candidates = match_support_candidates(left, right, params); });
+  const double supporting = median_ms([&] { candidates = match_support_candidates(left, right, params, support_memory); });
   add("support candidates", count_support_costs(candidates, left.width(), params), 2.0 * gradient_bytes, supporting);
-  points = find_support_points(left, right, params);
+  points = find_support_points(left, right, params, support_memory);
   const std::vector<SupportPoint> right_points = move_to_right_view(points);
   DenseMemory memory;
   const double matching = median_ms([&] { map = match_both_views(left, right, points, params, memory); });

@@ -68,7 +68,7 @@ cv::Mat1b find_textured(const DescriptorImage& image, const ElasParams& params, 
   tbb::parallel_for(tbb::blocked_range<int>(0, height, kRows), [&](const tbb::blocked_range<int>& rows) {
     const int first = std::max(rows.begin() - radius, 0);
     cv::Mat1s texture(std::min(rows.end() + radius, height) - first, width);
-    DescriptorRow row(width);
+    DescriptorRow row;
     for (int i = 0; i < texture.rows; ++i) compute_texture_row(row.gather(image, first + i), width, texture[i]);
     cv::Mat1i sum;  // boxFilter reads the rows around the part that it is given
     cv::boxFilter(texture.rowRange(rows.begin() - first, rows.end() - first), sum, CV_32S, {window, window}, {-1, -1}, false,
@@ -154,8 +154,8 @@ cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorI
   const ViewMatcher matcher(view, image, points, params);
   cv::Mat1f disparity(image.height(), image.width());
   tbb::parallel_for(tbb::blocked_range<int>(0, disparity.rows), [&](const tbb::blocked_range<int>& rows) {
-    DescriptorRow row(disparity.cols);
-    DescriptorRow other_row(disparity.cols);
+    DescriptorRow row;
+    DescriptorRow other_row;
     RowSearch search;
     for (int v = rows.begin(); v < rows.end(); ++v)
       matcher.match_row(v, row.gather(image, v), other_row.gather(other, v), search, disparity[v]);
@@ -174,20 +174,19 @@ cv::Mat1f match_both_views(const DescriptorImage& left, const DescriptorImage& r
   const auto threshold = static_cast<float>(params.consistency_threshold_px);
   cv::Mat1f disparity(left.height(), width);
   tbb::parallel_for(tbb::blocked_range<int>(0, disparity.rows), [&](const tbb::blocked_range<int>& rows) {
-    DescriptorRow left_row(width);
-    DescriptorRow right_row(width);
-    RowSearch search;
-    std::vector<float> left_disparity(static_cast<std::size_t>(width));
-    std::vector<float> right_disparity(static_cast<std::size_t>(width));
+    DenseMemory::Row& row = memory.rows.local();
+    row.left_disparity.resize(static_cast<std::size_t>(width));
+    row.right_disparity.resize(static_cast<std::size_t>(width));
     for (int v = rows.begin(); v < rows.end(); ++v) {
-      const Descriptor* const of_left_view = left_row.gather(left, v);
-      const Descriptor* const of_right_view = right_row.gather(right, v);
-      left_matcher->match_row(v, of_left_view, of_right_view, search, left_disparity.data());
-      right_matcher->match_row(v, of_right_view, of_left_view, search, right_disparity.data());
-      check_consistency_row(left_disparity.data(), right_disparity.data(), width, threshold, disparity[v]);
+      const Descriptor* const of_left = row.left.gather(left, v);
+      const Descriptor* const of_right = row.right.gather(right, v);
+      left_matcher->match_row(v, of_left, of_right, row.search, row.left_disparity.data());
+      right_matcher->match_row(v, of_right, of_left, row.search, row.right_disparity.data());
+      check_consistency_row(row.left_disparity.data(), row.right_disparity.data(), width, threshold, disparity[v]);
     }
   });
-  memory = {left_matcher->known(), right_matcher->known()};
+  memory.left = left_matcher->known();
+  memory.right = right_matcher->known();
   return disparity;
 }
 

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <opencv2/core.hpp>
+#include <tbb/enumerable_thread_specific.h>
 
 #include "brink/disparity.hpp"
 #include "disparity/delaunay.hpp"
@@ -100,10 +102,31 @@ DensePrior make_dense_prior(View view, const DescriptorImage& image, const std::
 cv::Mat1f match_dense(View view, const DescriptorImage& image, const DescriptorImage& other,
                       const std::vector<SupportPoint>& points, const ElasParams& params);
 
+/// What the search found for the pixels of a row.
+struct RowSearch {
+  static constexpr std::int16_t kNoEnergy = std::numeric_limits<std::int16_t>::max();
+
+  std::vector<std::int16_t> energy;      ///< least; kNoEnergy = there was no candidate
+  std::vector<std::int16_t> rival;       ///< least of those that lie more than 1 px away from the best
+  std::vector<std::int16_t> disparity;   ///< of the best
+  std::vector<std::int16_t> cost_below;  ///< matching costs of the disparity - 1, itself, and + 1
+  std::vector<std::int16_t> cost;
+  std::vector<std::int16_t> cost_above;
+};
+
 /// Memory of match_both_views that is used again for the next pair.
 struct DenseMemory {
+  struct Row {
+    DescriptorRow left;
+    DescriptorRow right;
+    RowSearch search;
+    std::vector<float> left_disparity;
+    std::vector<float> right_disparity;
+  };
+
   DensePrior left;
   DensePrior right;
+  tbb::enumerable_thread_specific<Row> rows;
 };
 
 /// check_consistency of what match_dense finds in the left and in the right view, row by row while the descriptors of the row

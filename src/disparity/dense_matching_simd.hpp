@@ -24,18 +24,6 @@ struct RowPrior {
   }
 };
 
-/// What the search found for the pixels of a row.
-struct RowSearch {
-  static constexpr std::int16_t kNoEnergy = std::numeric_limits<std::int16_t>::max();
-
-  std::vector<std::int16_t> energy;      ///< least; kNoEnergy = there was no candidate
-  std::vector<std::int16_t> rival;       ///< least of those that lie more than 1 px away from the best
-  std::vector<std::int16_t> disparity;   ///< of the best
-  std::vector<std::int16_t> cost_below;  ///< matching costs of the disparity - 1, itself, and + 1
-  std::vector<std::int16_t> cost;
-  std::vector<std::int16_t> cost_above;
-};
-
 /// Searches the best disparities of the pixels of row v of a view.
 ///
 /// A pixel's candidates are the disparities of its cell and those near its plane that lie in the picture. Its energy is the

@@ -46,6 +46,10 @@ DescriptorSamples DescriptorImage::samples(int v) const {
 Descriptor DescriptorImage::at(int u, int v) const { return describe(samples(v), u); }
 
 const Descriptor* DescriptorRow::gather(const DescriptorImage& image, int v) {
+  if (!descriptors_ || width_ != image.width()) {
+    width_ = image.width();
+    descriptors_ = hwy::AllocateAligned<Descriptor>(static_cast<std::size_t>(width_) + 2 * kPadding);
+  }
   Descriptor* const row = descriptors_.get() + kPadding;
   gather_descriptors(image.samples(v), width_, row);
   return row;

@@ -47,19 +47,17 @@ inline Descriptor describe(const DescriptorSamples& samples, int u) {
   return descriptor;
 }
 
-/// Memory for the descriptors of a row. Up to kPadding descriptors on both sides of it can be read.
+/// Memory for the descriptors of a row, which is used again for the next one. Up to kPadding descriptors on both sides of it
+/// can be read.
 class DescriptorRow {
  public:
   static constexpr std::size_t kPadding = 2112;  ///< the largest disparity, 2047, and a vector
 
-  explicit DescriptorRow(int width)
-      : width_(width), descriptors_(hwy::AllocateAligned<Descriptor>(static_cast<std::size_t>(width) + 2 * kPadding)) {}
-
-  /// The descriptors of row v of an image of this width. @return the first of them.
+  /// The descriptors of row v. @return the first of them.
   const Descriptor* gather(const DescriptorImage& image, int v);
 
  private:
-  int width_;
+  int width_ = 0;
   hwy::AlignedFreeUniquePtr<Descriptor[]> descriptors_;  // NOLINT(modernize-avoid-c-arrays): Highway's way to align
 };
 

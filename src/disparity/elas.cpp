@@ -24,10 +24,10 @@ class ElasMatcher : public StereoMatcher {
 
     tbb::parallel_invoke([&] { left_.assign(left); }, [&] { right_.assign(right); });
 
-    const std::vector<SupportPoint> points = find_support_points(left_, right_, params_);
+    const std::vector<SupportPoint> points = find_support_points(left_, right_, params_, support_);
     if (points.size() < 3) return {left.size(), kInvalidDisparity};
 
-    return clean_up(match_both_views(left_, right_, points, params_, memory_));
+    return clean_up(match_both_views(left_, right_, points, params_, dense_));
   }
 
  private:
@@ -44,7 +44,8 @@ class ElasMatcher : public StereoMatcher {
   // Memory that is used again:
   DescriptorImage left_;
   DescriptorImage right_;
-  DenseMemory memory_;
+  SupportMemory support_;
+  DenseMemory dense_;
 };
 
 }  // namespace

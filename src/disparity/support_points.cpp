@@ -42,12 +42,12 @@ bool is_supported(const SupportGrid& grid, int i, int j, const ElasParams& param
 
 }  // namespace
 
-SupportGrid match_support_candidates(const DescriptorImage& left, const DescriptorImage& right, const ElasParams& params) {
+SupportGrid match_support_candidates(const DescriptorImage& left, const DescriptorImage& right, const ElasParams& params,
+                                     SupportMemory& memory) {
   const int step = params.candidate_step_px;
   SupportGrid grid((left.height() + step - 1) / step, (left.width() + step - 1) / step, kNoSupport);
   tbb::parallel_for(tbb::blocked_range<int>(0, grid.rows), [&](const tbb::blocked_range<int>& rows) {
-    SupportRowMemory memory(left.width());
-    for (int j = rows.begin(); j < rows.end(); ++j) match_support_row(left, right, j, params, memory, grid[j]);
+    for (int j = rows.begin(); j < rows.end(); ++j) match_support_row(left, right, j, params, memory.local(), grid[j]);
   });
   return grid;
 }
@@ -97,8 +97,9 @@ std::vector<SupportPoint> make_corners(const std::vector<SupportPoint>& points, 
 }
 
 std::vector<SupportPoint> find_support_points(const DescriptorImage& left, const DescriptorImage& right,
-                                              const ElasParams& params) {
-  const SupportGrid grid = remove_redundant(remove_inconsistent(match_support_candidates(left, right, params), params));
+                                              const ElasParams& params, SupportMemory& memory) {
+  const SupportGrid candidates = match_support_candidates(left, right, params, memory);
+  const SupportGrid grid = remove_redundant(remove_inconsistent(candidates, params));
   std::vector<SupportPoint> points;
   for (int j = 0; j < grid.rows; ++j) {
     for (int i = 0; i < grid.cols; ++i) {

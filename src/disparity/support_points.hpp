@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include <opencv2/core.hpp>
+#include <tbb/enumerable_thread_specific.h>
 
 #include "brink/disparity.hpp"
 #include "disparity/descriptors.hpp"
@@ -23,9 +25,22 @@ struct SupportPoint {
 using SupportGrid = cv::Mat1i;
 inline constexpr int kNoSupport = -1;
 
+/// Memory for one row of candidates.
+struct SupportRowMemory {
+  DescriptorRow left_upper;  ///< rows of descriptors above and below the candidates
+  DescriptorRow left_lower;
+  DescriptorRow right_upper;
+  DescriptorRow right_lower;
+  std::vector<std::int16_t> costs;
+};
+
+/// Memory that is used again for the next pair.
+using SupportMemory = tbb::enumerable_thread_specific<SupportRowMemory>;
+
 /// Matches every candidate with texture over the whole range of disparities, from the left and back from the right
 /// (algorithms.md A.3). @return kNoSupport where there is no certain match.
-SupportGrid match_support_candidates(const DescriptorImage& left, const DescriptorImage& right, const ElasParams& params);
+SupportGrid match_support_candidates(const DescriptorImage& left, const DescriptorImage& right, const ElasParams& params,
+                                     SupportMemory& memory);
 
 /// Removes points that disagree with their surroundings. All points are judged by the untouched grid: the order plays no part.
 SupportGrid remove_inconsistent(const SupportGrid& grid, const ElasParams& params);
@@ -40,6 +55,6 @@ std::vector<SupportPoint> make_corners(const std::vector<SupportPoint>& points, 
 
 /// All of the above: the support points of the left view, row by row, corners last.
 std::vector<SupportPoint> find_support_points(const DescriptorImage& left, const DescriptorImage& right,
-                                              const ElasParams& params);
+                                              const ElasParams& params, SupportMemory& memory);
 
 }  // namespace brink

@@ -14,13 +14,15 @@ namespace {
 void expect_equal_to_twin(const SyntheticPair& pair, const ElasParams& params) {
   const DescriptorImage left(pair.left);
   const DescriptorImage right(pair.right);
+  SupportMemory support_memory;
   std::vector<SupportPoint> arbitrary;
   cv::RNG random(11);
   for (int i = 0; i < 40; ++i) {
     arbitrary.push_back(
         {random.uniform(0, left.width()), random.uniform(0, left.height()), random.uniform(0, params.max_disparity + 1)});
   }
-  for (const std::vector<SupportPoint>& points : {find_support_points(left, right, params), move_to_right_view(arbitrary)}) {
+  for (const std::vector<SupportPoint>& points :
+       {find_support_points(left, right, params, support_memory), move_to_right_view(arbitrary)}) {
     const std::vector<SupportPoint> moved = move_to_right_view(points);
     const cv::Mat1f expected_left = reference::match_dense(View::left, left, right, points, params);
     const cv::Mat1f expected_right = reference::match_dense(View::right, right, left, moved, params);

@@ -51,7 +51,7 @@ TEST(Descriptors, EqualTheDefinitionOnOddSizes) {
     cv::RNG(7).fill(image, cv::RNG::UNIFORM, 0, 256);
     test::for_each_target([&] {
       const DescriptorImage descriptors(image);
-      DescriptorRow memory(size.width);
+      DescriptorRow memory;
       ASSERT_EQ(descriptors.width(), size.width);
       ASSERT_EQ(descriptors.height(), size.height);
       for (int v = 0; v < size.height; ++v) {

@@ -13,8 +13,9 @@ void expect_equal_to_twin(const SyntheticPair& pair, const ElasParams& params) {
   const DescriptorImage left(pair.left);
   const DescriptorImage right(pair.right);
   const SupportGrid expected = reference::match_support_candidates(left, right, params);
+  SupportMemory memory;  // of the other targets, too
   test::for_each_target([&] {
-    const SupportGrid grid = match_support_candidates(left, right, params);
+    const SupportGrid grid = match_support_candidates(left, right, params, memory);
     ASSERT_EQ(grid.size(), expected.size());
     EXPECT_EQ(cv::countNonZero(grid != expected), 0) << pair.left.size();
   });

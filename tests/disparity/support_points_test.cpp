@@ -8,7 +8,8 @@ namespace brink {
 namespace {
 
 std::vector<SupportPoint> find(const SyntheticPair& pair, const ElasParams& params = {}) {
-  return find_support_points(DescriptorImage(pair.left), DescriptorImage(pair.right), params);
+  SupportMemory memory;
+  return find_support_points(DescriptorImage(pair.left), DescriptorImage(pair.right), params, memory);
 }
 
 int count(const SupportGrid& grid) { return cv::countNonZero(grid != kNoSupport); }
@@ -51,7 +52,8 @@ TEST(SupportPoints, RepeatedPatternIsNotCertain) {
   for (int v = 0; v < stripes.rows; ++v) {
     for (int u = 0; u < stripes.cols; ++u) stripes(v, u) = (u / 4) % 2 == 0 ? 50 : 200;
   }
-  EXPECT_EQ(count(match_support_candidates(DescriptorImage(stripes), DescriptorImage(stripes), {})), 0);
+  SupportMemory memory;
+  EXPECT_EQ(count(match_support_candidates(DescriptorImage(stripes), DescriptorImage(stripes), {}, memory)), 0);
 }
 
 TEST(SupportPoints, LonelyPointIsInconsistent) {
