@@ -68,8 +68,7 @@ cv::Mat1b find_textured(const DescriptorImage& image, const ElasParams& params, 
   tbb::parallel_for(tbb::blocked_range<int>(0, height, kRows), [&](const tbb::blocked_range<int>& rows) {
     const int first = std::max(rows.begin() - radius, 0);
     cv::Mat1s texture(std::min(rows.end() + radius, height) - first, width);
-    DescriptorRow row;
-    for (int i = 0; i < texture.rows; ++i) compute_texture_row(row.gather(image, first + i), width, texture[i]);
+    for (int i = 0; i < texture.rows; ++i) compute_texture_row(image.samples(first + i), width, texture[i]);
     cv::Mat1i sum;  // boxFilter reads the rows around the part that it is given
     cv::boxFilter(texture.rowRange(rows.begin() - first, rows.end() - first), sum, CV_32S, {window, window}, {-1, -1}, false,
                   cv::BORDER_REPLICATE);

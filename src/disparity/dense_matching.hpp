@@ -12,20 +12,10 @@
 #include "brink/disparity.hpp"
 #include "disparity/delaunay.hpp"
 #include "disparity/descriptors.hpp"
+#include "disparity/padded_rows.hpp"
 #include "disparity/support_points.hpp"
 
 namespace brink {
-
-/// So many pixels behind a row can be read, for vectors that reach beyond its end.
-inline constexpr int kRowPadding = 64;
-
-/// An image of this size that does, with arbitrary pixels. @param memory an earlier one, whose memory is used again.
-template <typename Pixel>
-cv::Mat_<Pixel> make_padded_rows(cv::Size size, cv::Mat_<Pixel> memory) {
-  if (!memory.empty()) memory.adjustROI(0, 0, 0, kRowPadding);
-  memory.create(size.height, size.width + kRowPadding);
-  return memory.colRange(0, size.width);
-}
 
 /// The view whose pixels are matched; the counterpart lies at u - d for the left and at u + d for the right view.
 enum class View : std::uint8_t { left, right };

@@ -3,6 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "disparity/descriptors_simd.hpp"
+#include "disparity/padded_rows.hpp"
 
 namespace brink {
 namespace {
@@ -24,15 +25,14 @@ void DescriptorImage::assign(const cv::Mat1b& picture) {
   width_ = picture.cols;
   height_ = picture.rows;
   if (picture.empty()) return;
-  cv::copyMakeBorder(picture, framed_, kReach, kReach, kReach, kReach, cv::BORDER_REPLICATE);
-  // Gradient / 4 + 128, saturated. Dividing rounds half to even: the noise of a surface without texture, less than one grey
-  // level, then vanishes in both directions alike.
-  const auto compute_gradient = [this](int order_u, int order_v, cv::Mat1b& samples) {
-    cv::Sobel(framed_, gradient_, CV_16S, order_u, order_v, 3, 1.0, 0.0, cv::BORDER_REPLICATE);
-    gradient_.convertTo(samples, CV_8U, 0.25, 128.0);
-  };
-  compute_gradient(1, 0, horizontal_);
-  compute_gradient(0, 1, vertical_);
+  constexpr int kFrame = kReach + 1;  // gradients are wanted kReach px outside, and look 1 px farther
+  framed_ = make_padded_rows({width_ + 2 * kFrame, height_ + 2 * kFrame}, framed_);
+  cv::copyMakeBorder(picture, framed_, kFrame, kFrame, kFrame, kFrame, cv::BORDER_REPLICATE);
+  const cv::Size size(width_ + 2 * kReach, height_ + 2 * kReach);
+  horizontal_ = make_padded_rows(size, horizontal_);
+  vertical_ = make_padded_rows(size, vertical_);
+  for (int v = 0; v < size.height; ++v)
+    compute_gradient_rows({framed_[v], framed_[v + 1], framed_[v + 2]}, size.width, horizontal_[v], vertical_[v]);
 }
 
 DescriptorSamples DescriptorImage::samples(int v) const {

@@ -35,8 +35,7 @@ class DescriptorImage {
  private:
   int width_ = 0;
   int height_ = 0;
-  cv::Mat1b framed_;  ///< picture and gradients with a frame around them
-  cv::Mat1s gradient_;
+  cv::Mat1b framed_;  ///< picture and gradients, each with a frame around it
   cv::Mat1b horizontal_;
   cv::Mat1b vertical_;
 };

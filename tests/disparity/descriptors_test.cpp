@@ -57,7 +57,7 @@ TEST(Descriptors, EqualTheDefinitionOnOddSizes) {
       for (int v = 0; v < size.height; ++v) {
         std::vector<std::int16_t> texture(static_cast<std::size_t>(size.width));
         const Descriptor* const row = memory.gather(descriptors, v);
-        compute_texture_row(row, size.width, texture.data());
+        compute_texture_row(descriptors.samples(v), size.width, texture.data());
         for (int u = 0; u < size.width; ++u) {
           ASSERT_EQ(row[u], reference::describe(image, u, v)) << u << "," << v;
           ASSERT_EQ(row[u], descriptors.at(u, v)) << u << "," << v;
