@@ -121,43 +121,38 @@ float median(const Line& line, int i) {
   return *middle;
 }
 
-/// Valid pixels [begin, end) of row v, neighbours alike.
-struct Run {
-  int v = 0;
-  int begin = 0;
-  int end = 0;
-};
-
-/// Runs that are joined to segments.
+/// Runs of valid pixels that are alike, joined to segments.
 class Segments {
  public:
+  struct Run {
+    int v = 0;
+    int begin = 0;
+    int end = 0;
+    int parent = 0;  ///< a run of the same segment, itself for the first one
+    int size = 0;    ///< of the first one: of all runs, px
+  };
+
   [[nodiscard]] int count() const { return static_cast<int>(runs_.size()); }
   [[nodiscard]] const Run& run(int i) const { return runs_[static_cast<std::size_t>(i)]; }
-  void add(const Run& run) {
-    parents_.push_back(count());
-    sizes_.push_back(run.end - run.begin);
-    runs_.push_back(run);
-  }
+  void add(int v, int begin, int end) { runs_.push_back({v, begin, end, count(), end - begin}); }
   void join(int a, int b) {
-    a = root_of(a);
-    b = root_of(b);
+    a = first_of(a);
+    b = first_of(b);
     if (a == b) return;
-    parents_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-    sizes_[static_cast<std::size_t>(std::min(a, b))] += sizes_[static_cast<std::size_t>(std::max(a, b))];
+    runs_[static_cast<std::size_t>(std::max(a, b))].parent = std::min(a, b);
+    runs_[static_cast<std::size_t>(std::min(a, b))].size += run(std::max(a, b)).size;
   }
   /// Pixels of the segment that a run belongs to.
-  [[nodiscard]] int size_of(int i) { return sizes_[static_cast<std::size_t>(root_of(i))]; }
+  [[nodiscard]] int size_of(int i) { return run(first_of(i)).size; }
 
  private:
-  [[nodiscard]] int root_of(int i) {
-    int& parent = parents_[static_cast<std::size_t>(i)];
-    while (parents_[static_cast<std::size_t>(parent)] != parent) parent = parents_[static_cast<std::size_t>(parent)];
+  [[nodiscard]] int first_of(int i) {
+    int& parent = runs_[static_cast<std::size_t>(i)].parent;
+    while (run(parent).parent != parent) parent = run(parent).parent;
     return parent;
   }
 
   std::vector<Run> runs_;
-  std::vector<int> parents_;
-  std::vector<int> sizes_;  ///< of a root: of all its runs, px
 };
 
 /// Joins the runs of two rows that touch in pixels which are alike.
@@ -166,8 +161,8 @@ void join_rows(const float* upper, cv::Range upper_runs, const float* lower, cv:
   int i = upper_runs.start;
   int j = lower_runs.start;
   while (i < upper_runs.end && j < lower_runs.end) {
-    const Run a = segments.run(i);
-    const Run b = segments.run(j);
+    const Segments::Run& a = segments.run(i);
+    const Segments::Run& b = segments.run(j);
     for (int u = std::max(a.begin, b.begin); u < std::min(a.end, b.end); ++u) {
       if (std::abs(upper[u] - lower[u]) > similarity_px) continue;
       segments.join(i, j);
@@ -187,14 +182,14 @@ void remove_speckles(cv::Mat1f& disparity, float similarity_px, int min_size_px)
   for (int v = 0; v < disparity.rows; ++v) {
     const int first = segments.count();
     find_valid_bits(disparity[v], disparity.cols, similarity_px, bits);
-    for_each_run(bits, [&](int begin, int end) { segments.add({v, begin, end}); });
+    for_each_run(bits, [&](int begin, int end) { segments.add(v, begin, end); });
     const cv::Range here(first, segments.count());
     if (v > 0) join_rows(disparity[v - 1], above, disparity[v], here, similarity_px, segments);
     above = here;
   }
   for (int i = 0; i < segments.count(); ++i) {
     if (segments.size_of(i) >= min_size_px) continue;
-    const Run& run = segments.run(i);
+    const Segments::Run& run = segments.run(i);
     std::fill(disparity[run.v] + run.begin, disparity[run.v] + run.end, kInvalidDisparity);
   }
 }

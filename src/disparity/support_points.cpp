@@ -8,6 +8,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "disparity/padded_rows.hpp"
 #include "disparity/support_points_simd.hpp"
 
 namespace brink {
@@ -26,20 +27,6 @@ bool has_similar(const SupportGrid& grid, int i, int j, int di, int dj) {
   return false;
 }
 
-/// Whether so many points of the window, the point itself included, agree with it.
-bool is_supported(const SupportGrid& grid, int i, int j, const ElasParams& params) {
-  const int reach = params.inconsistency_window;
-  int agreeing = 0;
-  for (int y = std::max(j - reach, 0); y <= std::min(j + reach, grid.rows - 1); ++y) {
-    for (int x = std::max(i - reach, 0); x <= std::min(i + reach, grid.cols - 1); ++x) {
-      const bool agrees = grid(y, x) != kNoSupport && std::abs(grid(y, x) - grid(j, i)) <= params.inconsistency_threshold_px;
-      agreeing += agrees ? 1 : 0;
-    }
-    if (agreeing >= params.inconsistency_min_support) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 SupportGrid match_support_candidates(const DescriptorImage& left, const DescriptorImage& right, const ElasParams& params,
@@ -53,13 +40,12 @@ SupportGrid match_support_candidates(const DescriptorImage& left, const Descript
 }
 
 SupportGrid remove_inconsistent(const SupportGrid& grid, const ElasParams& params) {
+  // With a frame, so that no window ends at the border and vectors may reach beyond it.
+  const int reach = params.inconsistency_window;
+  SupportGrid framed;
+  cv::copyMakeBorder(grid, framed, reach, reach, reach, reach + kRowPadding, cv::BORDER_CONSTANT, kNoSupport);
   SupportGrid result = grid.clone();
-  for (int j = 0; j < grid.rows; ++j) {
-    for (int i = 0; i < grid.cols; ++i) {
-      if (grid(j, i) == kNoSupport) continue;
-      if (!is_supported(grid, i, j, params)) result(j, i) = kNoSupport;
-    }
-  }
+  remove_inconsistent_points(framed, params, result);
   return result;
 }
 

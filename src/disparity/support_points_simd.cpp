@@ -186,6 +186,41 @@ void match_row(const DescriptorImage& left, const DescriptorImage& right, int j,
   }
 }
 
+/// Of `width` points in a row those that agree with a disparity.
+std::size_t count_agreeing(const int* row, int width, int disparity, int threshold) {
+  const hn::ScalableTag<std::int32_t> d32;
+  const auto here = hn::Set(d32, disparity);
+  const auto most = hn::Set(d32, threshold);
+  const auto none = hn::Set(d32, kNoSupport);
+  std::size_t agreeing = 0;
+  for (int x = 0; x < width; x += static_cast<int>(hn::Lanes(d32))) {
+    const auto there = hn::LoadU(d32, row + x);
+    const auto differ = hn::Gt(hn::Abs(hn::Sub(there, here)), most);
+    const auto asked = hn::And(hn::FirstN(d32, static_cast<std::size_t>(width - x)), hn::Ne(there, none));
+    agreeing += hn::CountTrue(d32, hn::AndNot(differ, asked));
+  }
+  return agreeing;
+}
+
+void remove_points(const SupportGrid& framed, const ElasParams& params, SupportGrid& result) {
+  const int reach = params.inconsistency_window;
+  const int width = 2 * reach + 1;
+  const auto enough = static_cast<std::size_t>(params.inconsistency_min_support);
+  for (int j = 0; j < result.rows; ++j) {
+    for (int i = 0; i < result.cols; ++i) {
+      const int disparity = framed(j + reach, i + reach);
+      if (disparity == kNoSupport) continue;
+      const auto count = [&](int y) {
+        return count_agreeing(framed[y] + i, width, disparity, params.inconsistency_threshold_px);
+      };
+      // From the middle outwards: the nearest agree most often.
+      std::size_t agreeing = count(j + reach);
+      for (int off = 1; off <= reach && agreeing < enough; ++off) agreeing += count(j + reach - off) + count(j + reach + off);
+      if (agreeing < enough) result(j, i) = kNoSupport;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace brink::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -194,10 +229,15 @@ HWY_AFTER_NAMESPACE();
 namespace brink {
 
 HWY_EXPORT(match_row);
+HWY_EXPORT(remove_points);
 
 void match_support_row(const DescriptorImage& left, const DescriptorImage& right, int j, const ElasParams& params,
                        SupportRowMemory& memory, int* row) {
   HWY_DYNAMIC_DISPATCH(match_row)(left, right, j, params, memory, row);
+}
+
+void remove_inconsistent_points(const SupportGrid& framed, const ElasParams& params, SupportGrid& result) {
+  HWY_DYNAMIC_DISPATCH(remove_points)(framed, params, result);
 }
 
 }  // namespace brink

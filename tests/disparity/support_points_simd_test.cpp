@@ -51,5 +51,23 @@ TEST(SupportPointsSimd, EqualsItsTwinWhereCostsAreEqual) {
   expect_equal_to_twin({noise, make_texture({203, 91}, 6)}, params);
 }
 
+TEST(SupportPointsSimd, InconsistentPointsAreThoseOfTheTwin) {
+  cv::RNG random(13);
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(5, 3), cv::Size(31, 17), cv::Size(64, 20)}) {
+    SupportGrid grid(size);
+    random.fill(grid, cv::RNG::UNIFORM, kNoSupport, 60);
+    for (const int window : {0, 1, 5, 9}) {
+      for (const int min_support : {1, 3, 8, 14}) {
+        ElasParams params;
+        params.inconsistency_window = window;
+        params.inconsistency_min_support = min_support;
+        const SupportGrid expected = reference::remove_inconsistent(grid, params);
+        test::for_each_target(
+            [&] { EXPECT_EQ(cv::countNonZero(remove_inconsistent(grid, params) != expected), 0) << size << ", " << window; });
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace brink

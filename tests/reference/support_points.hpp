@@ -74,4 +74,22 @@ inline SupportGrid match_support_candidates(const DescriptorImage& left, const D
   return grid;
 }
 
+inline SupportGrid remove_inconsistent(const SupportGrid& grid, const ElasParams& params) {
+  const int reach = params.inconsistency_window;
+  SupportGrid result = grid.clone();
+  for (int j = 0; j < grid.rows; ++j) {
+    for (int i = 0; i < grid.cols; ++i) {
+      int agreeing = 0;
+      for (int y = std::max(j - reach, 0); y <= std::min(j + reach, grid.rows - 1); ++y) {
+        for (int x = std::max(i - reach, 0); x <= std::min(i + reach, grid.cols - 1); ++x) {
+          const bool agrees = std::abs(grid(y, x) - grid(j, i)) <= params.inconsistency_threshold_px;
+          if (grid(y, x) != kNoSupport && agrees) ++agreeing;
+        }
+      }
+      if (agreeing < params.inconsistency_min_support) result(j, i) = kNoSupport;
+    }
+  }
+  return result;
+}
+
 }  // namespace brink::reference
