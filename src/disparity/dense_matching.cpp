@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <optional>
 
-#include <opencv2/imgproc.hpp>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
@@ -15,6 +14,7 @@
 #include "disparity/dense_matching_simd.hpp"
 #include "disparity/descriptors_simd.hpp"
 #include "disparity/expected_disparities_simd.hpp"
+#include "disparity/window_sums_simd.hpp"
 
 namespace brink {
 namespace {
@@ -69,11 +69,20 @@ cv::Mat1b find_textured(const DescriptorImage& image, const ElasParams& params, 
     const int first = std::max(rows.begin() - radius, 0);
     cv::Mat1s texture(std::min(rows.end() + radius, height) - first, width);
     for (int i = 0; i < texture.rows; ++i) compute_texture_row(image.samples(first + i), width, texture[i]);
-    cv::Mat1i sum;  // boxFilter reads the rows around the part that it is given
-    cv::boxFilter(texture.rowRange(rows.begin() - first, rows.end() - first), sum, CV_32S, {window, window}, {-1, -1}, false,
-                  cv::BORDER_REPLICATE);
-    cv::Mat1b part = textured.rowRange(rows.begin(), rows.end());
-    cv::compare(sum, params.match_texture * window * window, part, cv::CMP_GE);
+    // The picture's border is repeated outside.
+    const auto texture_at = [&](int v) { return texture[std::clamp(v, 0, height - 1) - first]; };
+    const auto border = static_cast<std::size_t>(radius);
+    const auto size = static_cast<std::size_t>(width);
+    const std::vector<std::int16_t> nothing(size, 0);
+    std::vector<std::int32_t> sums(size + 2 * border + kRowPadding, 0);
+    std::int32_t* const columns = sums.data() + radius;
+    for (int k = -radius; k <= radius; ++k) slide_column_sums(texture_at(rows.begin() + k), nothing.data(), width, columns);
+    for (int v = rows.begin(); v < rows.end(); ++v) {
+      std::fill_n(sums.begin(), border, columns[0]);
+      std::fill_n(columns + width, border, columns[width - 1]);
+      mark_windows(columns, width, radius, params.match_texture * window * window, textured[v]);
+      if (v + 1 < rows.end()) slide_column_sums(texture_at(v + 1 + radius), texture_at(v - radius), width, columns);
+    }
   });
   return textured;
 }

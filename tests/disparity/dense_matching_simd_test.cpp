@@ -70,5 +70,24 @@ TEST(DenseMatchingSimd, EqualsItsTwinWhereEnergiesAreEqual) {
   expect_equal_to_twin(coarsen(make_wall({203, 91}, 9)), params);
 }
 
+TEST(DenseMatchingSimd, TexturedPixelsAreThoseOfTheTwin) {
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(3, 9), cv::Size(67, 41), cv::Size(40, 300)}) {
+    cv::Mat1b picture = make_texture(size, 3);
+    picture(cv::Rect(0, 0, (size.width + 1) / 2, (size.height + 1) / 2)) = 90;
+    const DescriptorImage image(picture);
+    for (const int radius : {0, 1, 4, 12}) {
+      ElasParams params;
+      params.texture_radius_px = radius;
+      params.match_texture = 100;
+      const cv::Mat1b expected = reference::find_textured(image, params);
+      cv::Mat1b textured;  // memory of the other targets, too
+      test::for_each_target([&] {
+        textured = find_textured(image, params, textured);
+        EXPECT_EQ(cv::countNonZero(textured != expected), 0) << size << ", " << radius;
+      });
+    }
+  }
+}
+
 }  // namespace
 }  // namespace brink

@@ -82,6 +82,24 @@ class PixelMatcher {
   const ElasParams& params_;
 };
 
+/// Whether the mean texture around each pixel is large enough; the border pixels are repeated outside.
+inline cv::Mat1b find_textured(const DescriptorImage& image, const ElasParams& params) {
+  const int radius = params.texture_radius_px;
+  cv::Mat1b textured(image.height(), image.width(), std::uint8_t{0});
+  for (int v = 0; v < textured.rows; ++v) {
+    for (int u = 0; u < textured.cols; ++u) {
+      int sum = 0;
+      for (int y = v - radius; y <= v + radius; ++y) {
+        for (int x = u - radius; x <= u + radius; ++x) {
+          sum += compute_texture(image.at(std::clamp(x, 0, textured.cols - 1), std::clamp(y, 0, textured.rows - 1)));
+        }
+      }
+      if (sum >= params.match_texture * (2 * radius + 1) * (2 * radius + 1)) textured(v, u) = 255;
+    }
+  }
+  return textured;
+}
+
 /// Which triangle each pixel lies in, -1 = none. A pixel on an edge belongs to the later of the two triangles.
 inline cv::Mat1i label_triangles(const std::vector<SupportPoint>& points, const std::vector<Triangle>& triangles,
                                  cv::Size size) {
@@ -126,7 +144,7 @@ inline cv::Mat1f match_dense(View view, const DescriptorImage& image, const Desc
   const std::vector<Triangle> triangles = triangulate(points);
   const std::vector<PriorPlane> planes = fit_planes(view, points, triangles);
   const cv::Mat1i labels = label_triangles(points, triangles, size);
-  const cv::Mat1b textured = find_textured(image, params);
+  const cv::Mat1b textured = brink::find_textured(image, params);
   const CandidateGrid grid = make_candidate_grid(points, size, params);
   const Penalty penalty = make_penalty(params);
   const PixelMatcher matcher(view, image, other, penalty, params);
