@@ -145,6 +145,7 @@ std::vector<Step> measure_steps(const Pair& pair, const ElasParams& params) {
   // In place: the copies that they change are made before.
   const auto time_change = [&](const auto& change) {
     std::vector<cv::Mat1f> copies;
+    copies.reserve(kRounds);
     for (int i = 0; i < kRounds; ++i) copies.push_back(map.clone());
     auto copy = copies.begin();
     const double ms = median_ms([&] { change(*copy++); });

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/task_group.h>
 
 #include "candidates/evidence.hpp"
 #include "ego_motion/exchanged_eyes.hpp"
@@ -116,21 +117,20 @@ Detection Detector::process(const Frame& frame) {
   if (frame.left.empty()) detection.no_disparity_off = "no left picture";
   Stopwatch whole;
 
-  // III.C.1 Disparity map, unless it is given; III.C.4 Ego-motion, which does not depend on it, beside it
-  tbb::parallel_invoke(
-      [&] {
-        Stopwatch stage;
-        detection.disparity = frame.disparity.empty() ? matcher_->compute(frame.left, frame.right) : frame.disparity;
-        detection.times.disparity = stage.lap_ms();
-      },
-      [&] {
-        Stopwatch stage;
-        estimate_ego_motion(frame, detection);
-        detection.times.ego_motion = stage.lap_ms();
-      });
+  // III.C.4 Ego-motion needs no disparities: it goes on beside everything up to the tracking
+  tbb::task_group beside;
+  beside.run([&] {
+    Stopwatch stage;
+    estimate_ego_motion(frame, detection);
+    detection.times.ego_motion = stage.lap_ms();
+  });
+
+  // III.C.1 Disparity map, unless it is given
+  Stopwatch stage;
+  detection.disparity = frame.disparity.empty() ? matcher_->compute(frame.left, frame.right) : frame.disparity;
+  detection.times.disparity = stage.lap_ms();
 
   // III.C.2 Ground surface
-  Stopwatch stage;
   detection.ground = estimate_ground(detection.disparity, frame.camera, params_.ground, frame.gravity);
   mistrust_exchanged_eyes(frame, params_.ego_motion, detection.ground);
   if (detection.ground.plane) {
@@ -165,6 +165,8 @@ Detection Detector::process(const Frame& frame) {
   }
 
   // III.C.4 Tracking and validation
+  beside.wait();
+  stage.lap_ms();
   align_grounds(frame, detection);
   report(frame, detection);
   detection.times.tracking = stage.lap_ms();

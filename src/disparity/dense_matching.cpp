@@ -113,7 +113,7 @@ CandidateGrid make_candidate_grid(const std::vector<SupportPoint>& points, cv::S
   grid.cell_px = cell;
   grid.columns = (size.width + cell - 1) / cell;
   grid.words = static_cast<std::size_t>(params.max_disparity) / 64 + 1;
-  const auto cells = static_cast<std::size_t>(grid.columns * rows);
+  const std::size_t cells = static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(rows);
   grid.bits.assign(cells * grid.words + 1, 0);
   grid.cells.resize(cells);
   for (std::size_t k = 0; k < cells; ++k) grid.cells[k] = {k * grid.words, params.max_disparity + 1, -1};
@@ -122,7 +122,7 @@ CandidateGrid make_candidate_grid(const std::vector<SupportPoint>& points, cv::S
     const int last = std::min(point.disparity + 1, params.max_disparity);
     for (int j = std::max(point.v / cell - 1, 0); j <= std::min(point.v / cell + 1, rows - 1); ++j) {
       for (int i = std::max(point.u / cell - 1, 0); i <= std::min(point.u / cell + 1, grid.columns - 1); ++i) {
-        CandidateGrid::Cell& near = grid.cells[static_cast<std::size_t>(j * grid.columns + i)];
+        CandidateGrid::Cell& near = grid.cells[grid.index(i, j)];
         near.first = std::min(near.first, first);
         near.last = std::max(near.last, last);
         for (int d = first; d <= last; ++d)

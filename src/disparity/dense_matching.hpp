@@ -51,10 +51,12 @@ struct CandidateGrid {
   std::size_t words = 1;            ///< of a cell
   std::vector<std::uint64_t> bits;  ///< cell by cell, and one word more
 
-  /// The cell that a pixel lies in.
-  [[nodiscard]] const Cell& at(int u, int v) const {
-    return cells[static_cast<std::size_t>(v / cell_px * columns + u / cell_px)];
+  /// Where the cell in a column and row of cells stands.
+  [[nodiscard]] std::size_t index(int i, int j) const {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(i);
   }
+  /// The cell that a pixel lies in.
+  [[nodiscard]] const Cell& at(int u, int v) const { return cells[index(u / cell_px, v / cell_px)]; }
   [[nodiscard]] const std::uint64_t* words_of(const Cell& cell) const { return bits.data() + cell.word; }
   [[nodiscard]] const std::uint64_t* words_at(int u, int v) const { return words_of(at(u, v)); }
 };

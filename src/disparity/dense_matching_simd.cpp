@@ -35,7 +35,6 @@ class RowMatcher {
         width_(prior.width),
         row_(row),
         other_row_(other_row),
-        v_(v),
         prior_(prior),
         grid_(grid),
         penalty_(penalty),
@@ -135,7 +134,7 @@ class RowMatcher {
   }
 
   void search_pixel(int u, std::size_t i, const Range& candidates, RowSearch& found) const {
-    const std::uint64_t* const nearby = grid_.words_at(u, v_);
+    const std::uint64_t* const nearby = grid_.words_of(*(cell_ + (u - (cell_end_ - grid_.cell_px)) / grid_.cell_px));
     const auto cost = [&](int d) { return static_cast<std::int16_t>(compute_cost(row_[u], other_row_[u + direction_ * d])); };
     const auto at = static_cast<std::size_t>(u);
     int earlier = kNoEnergy;
@@ -351,7 +350,6 @@ class RowMatcher {
   int width_;
   const Descriptor* row_;
   const Descriptor* other_row_;
-  int v_;
   const RowPrior& prior_;
   const CandidateGrid& grid_;
   const Penalty& penalty_;

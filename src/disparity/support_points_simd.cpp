@@ -79,7 +79,7 @@ Best find_best(const Comparison& c, std::int16_t* costs) {
 
 using Signed = hn::ScalableTag<std::int16_t>;
 
-std::size_t memory_needed(int disparities) { return static_cast<std::size_t>(disparities) + 2 * HWY_MAX_BYTES; }
+std::size_t memory_needed(int disparities) { return static_cast<std::size_t>(disparities) + 2 * hn::Lanes(Signed()); }
 
 /// Columns from the start of a line of the cache, or of a vector if that is less. (The arms lie four columns apart, and a line
 /// has four: with the left one the right one is loaded as whole lines, too.)

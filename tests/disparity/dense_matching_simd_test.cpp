@@ -16,6 +16,7 @@ void expect_equal_to_twin(const SyntheticPair& pair, const ElasParams& params) {
   const DescriptorImage right(pair.right);
   SupportMemory support_memory;
   std::vector<SupportPoint> arbitrary;
+  arbitrary.reserve(40);
   cv::RNG random(11);
   for (int i = 0; i < 40; ++i) {
     arbitrary.push_back(

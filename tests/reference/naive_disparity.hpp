@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -89,16 +90,17 @@ inline ValidBits find_valid_bits(const std::vector<float>& row, float similarity
 
 /// algorithms.md A.7.2 along one line: runs of invalid pixels between two valid ones.
 inline std::vector<float> fill_gaps(std::vector<float> line, int max_width, bool across_steps) {
-  int last_valid = -1;
-  for (int i = 0; i < static_cast<int>(line.size()); ++i) {
-    const float after = line[static_cast<std::size_t>(i)];
+  const auto most = static_cast<std::size_t>(max_width);
+  std::optional<std::size_t> last_valid;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const float after = line[i];
     if (after == kInvalidDisparity) continue;
-    const int width = i - last_valid - 1;
-    if (last_valid >= 0 && width > 0 && width <= max_width) {
-      const float before = line[static_cast<std::size_t>(last_valid)];
+    const std::size_t width = last_valid ? i - *last_valid - 1 : 0;
+    if (width > 0 && width <= most) {
+      const float before = line[*last_valid];
       const bool one_surface = std::abs(before - after) < 3.0F;
-      for (int k = 1; k <= width; ++k) {
-        float& gap = line[static_cast<std::size_t>(last_valid + k)];
+      for (std::size_t k = 1; k <= width; ++k) {
+        float& gap = line[*last_valid + k];
         if (one_surface) gap = before + (after - before) / static_cast<float>(width + 1) * static_cast<float>(k);
         if (!one_surface && across_steps) gap = std::min(before, after);
       }
