@@ -1,0 +1,173 @@
+#include "ego_motion/features_simd.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "ego_motion/features_simd.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace brink::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Weighted sums of the five pixels above each other, column by column.
+struct ColumnSums {
+  ColumnSums(std::int16_t* scratch, int columns)
+      : blob_centre(scratch),
+        blob_inner(scratch + columns),
+        blob_outer(scratch + 2 * columns),
+        checker(scratch + 3 * columns),
+        smooth(scratch + 4 * columns),
+        derivative(scratch + 5 * columns) {}
+  std::int16_t* blob_centre;
+  std::int16_t* blob_inner;
+  std::int16_t* blob_outer;  ///< of which the filter has the negative
+  std::int16_t* checker;
+  std::int16_t* smooth;
+  std::int16_t* derivative;
+};
+
+/// Columns [u, u + lanes of the tag).
+template <class D>
+HWY_INLINE void add_columns(D shorts, const std::uint8_t* const* rows, int u, const ColumnSums& sums) {
+  const auto load = [&](int row) HWY_ATTR {
+    return hn::PromoteTo(shorts, hn::LoadU(hn::Rebind<std::uint8_t, D>(), rows[row] + u));
+  };
+  const auto top = load(0);
+  const auto upper = load(1);
+  const auto centre = load(2);
+  const auto lower = load(3);
+  const auto bottom = load(4);
+  const auto inner = hn::Add(upper, lower);
+  const auto outer = hn::Add(top, bottom);
+  const auto ring = hn::Sub(hn::Add(inner, centre), outer);  // 2 (three rows) - (five rows)
+  hn::StoreU(hn::Add(ring, hn::Sub(hn::ShiftLeft<3>(centre), centre)), shorts, sums.blob_centre + u);
+  hn::StoreU(ring, shorts, sums.blob_inner + u);
+  hn::StoreU(hn::Add(hn::Add(inner, centre), outer), shorts, sums.blob_outer + u);
+  const auto far_step = hn::Sub(bottom, top);
+  const auto near_step = hn::Sub(lower, upper);
+  hn::StoreU(hn::Add(far_step, near_step), shorts, sums.checker + u);
+  hn::StoreU(hn::Add(far_step, hn::Add(near_step, near_step)), shorts, sums.derivative + u);
+  const auto inner_and_centre = hn::Add(hn::ShiftLeft<1>(inner), hn::Add(hn::ShiftLeft<1>(centre), centre));
+  hn::StoreU(hn::Add(outer, hn::ShiftLeft<1>(inner_and_centre)), shorts, sums.smooth + u);
+}
+
+/// A 128th, rounded half to even, around 128.
+template <class D, class V>
+HWY_INLINE V to_gradient(D shorts, V sum) {
+  const auto odd = hn::And(hn::ShiftRight<7>(sum), hn::Set(shorts, std::int16_t{1}));
+  return hn::Add(hn::ShiftRight<7>(hn::Add(hn::Add(sum, odd), hn::Set(shorts, std::int16_t{63}))),
+                 hn::Set(shorts, std::int16_t{128}));
+}
+
+/// Pixels [u, u + lanes of the tag): their columns are [u, u + 4 + lanes).
+template <class D>
+HWY_INLINE void filter_pixels(D shorts, const ColumnSums& sums, int u, const FilteredRow& filtered) {
+  const auto load = [&](const std::int16_t* columns, int i) HWY_ATTR { return hn::LoadU(shorts, columns + u + i); };
+  const auto ends = hn::Add(load(sums.blob_outer, 0), load(sums.blob_outer, 4));
+  const auto sides = hn::Add(load(sums.blob_inner, 1), load(sums.blob_inner, 3));
+  hn::StoreU(hn::Sub(hn::Add(load(sums.blob_centre, 2), sides), ends), shorts, filtered.blobs + u);
+  const auto right = hn::Add(load(sums.checker, 3), load(sums.checker, 4));
+  const auto left = hn::Add(load(sums.checker, 0), load(sums.checker, 1));
+  hn::StoreU(hn::Sub(right, left), shorts, filtered.corners + u);
+  const auto near_step = hn::Sub(load(sums.smooth, 3), load(sums.smooth, 1));
+  const auto far_step = hn::Sub(load(sums.smooth, 4), load(sums.smooth, 0));
+  const auto along = to_gradient(shorts, hn::Add(far_step, hn::Add(near_step, near_step)));
+  const auto centre = load(sums.derivative, 2);
+  const auto inner = hn::Add(load(sums.derivative, 1), load(sums.derivative, 3));
+  const auto outer = hn::Add(load(sums.derivative, 0), load(sums.derivative, 4));
+  const auto inner_and_centre = hn::Add(hn::ShiftLeft<1>(inner), hn::Add(hn::ShiftLeft<1>(centre), centre));
+  const auto down = to_gradient(shorts, hn::Add(outer, hn::ShiftLeft<1>(inner_and_centre)));
+  const hn::Rebind<std::uint16_t, D> pairs;
+  hn::StoreU(hn::BitCast(pairs, hn::Or(along, hn::ShiftLeft<8>(down))), pairs, filtered.gradients + u);
+}
+
+void filter_one_row(const std::uint8_t* const* rows, int width, std::int16_t* scratch, const FilteredRow& filtered) {
+  const hn::ScalableTag<std::int16_t> shorts;
+  const hn::CappedTag<std::int16_t, 1> one;
+  const auto lanes = static_cast<int>(hn::Lanes(shorts));
+  const int columns = width + 2 * kFilterRadius;
+  const ColumnSums sums(scratch, columns);
+  int u = 0;
+  for (; u + lanes <= columns; u += lanes) add_columns(shorts, rows, u, sums);
+  for (; u < columns; ++u) add_columns(one, rows, u, sums);
+  u = 0;
+  for (; u + lanes <= width; u += lanes) filter_pixels(shorts, sums, u, filtered);
+  for (; u < width; ++u) filter_pixels(one, sums, u, filtered);
+}
+
+/// The least and the greatest of each of the columns [u, u + lanes of the tag).
+template <class D>
+HWY_INLINE void find_limits(D shorts, const std::int16_t* const* rows, int count, int u, std::int16_t* least,
+                            std::int16_t* greatest) {
+  auto low = hn::LoadU(shorts, rows[0] + u);
+  auto high = low;
+  for (int i = 1; i < count; ++i) {
+    const auto response = hn::LoadU(shorts, rows[i] + u);
+    low = hn::Min(low, response);
+    high = hn::Max(high, response);
+  }
+  hn::StoreU(low, shorts, least + u);
+  hn::StoreU(high, shorts, greatest + u);
+}
+
+/// Pixels [u, u + lanes of the tag).
+template <class D>
+HWY_INLINE void mark_pixels(D shorts, const std::int16_t* row, const std::int16_t* least, const std::int16_t* greatest,
+                            int radius, int u, std::int16_t least_strength, std::uint8_t* marks) {
+  auto low = hn::LoadU(shorts, least + u - radius);
+  auto high = hn::LoadU(shorts, greatest + u - radius);
+  for (int i = 1 - radius; i <= radius; ++i) {
+    low = hn::Min(low, hn::LoadU(shorts, least + u + i));
+    high = hn::Max(high, hn::LoadU(shorts, greatest + u + i));
+  }
+  const auto response = hn::LoadU(shorts, row + u);
+  const auto weak = hn::Set(shorts, static_cast<std::int16_t>(least_strength - 1));
+  const auto minimum = hn::And(hn::Eq(response, low), hn::Lt(response, hn::Neg(weak)));
+  const auto maximum = hn::And(hn::Eq(response, high), hn::Gt(response, weak));
+  const auto mark = hn::Or(hn::IfThenElseZero(minimum, hn::Set(shorts, std::int16_t{kMinimumMark})),
+                           hn::IfThenElseZero(maximum, hn::Set(shorts, std::int16_t{kMaximumMark})));
+  const hn::Rebind<std::uint8_t, D> bytes;
+  hn::StoreU(hn::DemoteTo(bytes, mark), bytes, marks + u);
+}
+
+void mark_row(const std::int16_t* const* rows, int radius, int width, int least_strength, std::int16_t* scratch,
+              std::uint8_t* marks) {
+  const hn::ScalableTag<std::int16_t> shorts;
+  const hn::CappedTag<std::int16_t, 1> one;
+  const auto lanes = static_cast<int>(hn::Lanes(shorts));
+  std::int16_t* const least = scratch;
+  std::int16_t* const greatest = scratch + width;
+  const int count = 2 * radius + 1;
+  int u = 0;
+  for (; u + lanes <= width; u += lanes) find_limits(shorts, rows, count, u, least, greatest);
+  for (; u < width; ++u) find_limits(one, rows, count, u, least, greatest);
+  const auto strength = static_cast<std::int16_t>(least_strength);
+  u = radius;
+  for (; u + lanes <= width - radius; u += lanes)
+    mark_pixels(shorts, rows[radius], least, greatest, radius, u, strength, marks);
+  for (; u < width - radius; ++u) mark_pixels(one, rows[radius], least, greatest, radius, u, strength, marks);
+}
+
+}  // namespace
+}  // namespace brink::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace brink {
+
+HWY_EXPORT(filter_one_row);
+HWY_EXPORT(mark_row);
+
+void filter_row(const std::array<const std::uint8_t*, 5>& rows, int width, std::int16_t* scratch, const FilteredRow& filtered) {
+  HWY_DYNAMIC_DISPATCH(filter_one_row)(rows.data(), width, scratch, filtered);
+}
+
+void mark_extrema(const std::int16_t* const* rows, int radius, int width, int least_strength, std::int16_t* scratch,
+                  std::uint8_t* marks) {
+  HWY_DYNAMIC_DISPATCH(mark_row)(rows, radius, width, least_strength, scratch, marks);
+}
+
+}  // namespace brink
+#endif  // HWY_ONCE
