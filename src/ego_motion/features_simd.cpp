@@ -31,9 +31,8 @@ struct ColumnSums {
 /// Columns [u, u + lanes of the tag).
 template <class D>
 HWY_INLINE void add_columns(D shorts, const std::uint8_t* const* rows, int u, const ColumnSums& sums) {
-  const auto load = [&](int row) HWY_ATTR {
-    return hn::PromoteTo(shorts, hn::LoadU(hn::Rebind<std::uint8_t, D>(), rows[row] + u));
-  };
+  const auto load = [&](int row)
+                        HWY_ATTR { return hn::PromoteTo(shorts, hn::LoadU(hn::Rebind<std::uint8_t, D>(), rows[row] + u)); };
   const auto top = load(0);
   const auto upper = load(1);
   const auto centre = load(2);
