@@ -1,10 +1,8 @@
 #include "ego_motion/features.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdlib>
-#include <cstring>
 #include <functional>
 #include <limits>
 #include <utility>
@@ -91,18 +89,8 @@ bool is_first(const cv::Mat1s& response, cv::Point corner, int side, cv::Point p
   return true;
 }
 
-/// Calls take(column) for each marked column in [begin, end), from left to right. @param marks end in eight more, unmarked.
-template <typename Take>
-void for_each_mark(const std::vector<std::uint8_t>& marks, int begin, int end, const Take& take) {
-  for (int first = begin; first < end; first += 8) {
-    std::uint64_t eight = 0;
-    std::memcpy(&eight, marks.data() + first, sizeof(eight));
-    for (; eight != 0; eight &= eight - 1) {  // a mark is one bit
-      const int column = first + std::countr_zero(eight) / 8;
-      if (column < end) take(column);
-    }
-  }
-}
+/// Extrema of a band of blocks: of each the first minimum and the first maximum, row by row; row 0 = none.
+using BandExtrema = std::vector<std::array<cv::Point, 2>>;
 
 /// The least and the greatest value of each block that are extrema of their neighbourhood.
 void find_extrema(const cv::Mat1s& response, FeatureClass minimum, FeatureClass maximum, const EgoMotionParams& params,
@@ -112,29 +100,31 @@ void find_extrema(const cv::Mat1s& response, FeatureClass minimum, FeatureClass 
   const int margin = std::max(kMargin, radius);
   const int blocks = (response.cols - 2 * margin) / side;
   if (blocks <= 0) return;
+  const int end = margin + blocks * side;
   std::vector<const short*> rows(static_cast<std::size_t>(2 * radius + 1));
-  std::vector<short> scratch(2 * static_cast<std::size_t>(response.cols));
-  std::vector<std::uint8_t> marks(static_cast<std::size_t>(response.cols) + 8);
-  const cv::Point none(-1, -1);
-  std::vector<std::array<cv::Point, 2>> firsts(static_cast<std::size_t>(blocks));  // marked minimum and maximum of each block
+  std::vector<short> scratch(extrema_scratch(margin, end, radius));
+  std::vector<int> columns(static_cast<std::size_t>(end - margin) + kSpareColumns);
+  BandExtrema band(static_cast<std::size_t>(blocks));
   for (int v = margin; v + side + margin <= response.rows; v += side) {
-    std::fill(firsts.begin(), firsts.end(), std::array{none, none});
+    std::fill(band.begin(), band.end(), BandExtrema::value_type{});
     for (int y = v; y < v + side; ++y) {
       for (int i = 0; i <= 2 * radius; ++i) rows[static_cast<std::size_t>(i)] = response[y - radius + i];
-      mark_extrema(rows.data(), radius, response.cols, params.min_response, scratch.data(), marks.data());
-      for_each_mark(marks, margin, margin + blocks * side, [&](int u) {
-        const std::size_t sign = marks[static_cast<std::size_t>(u)] == kMaximumMark ? 1 : 0;
-        cv::Point& first = firsts[static_cast<std::size_t>((u - margin) / side)][sign];
-        if (first == none) first = {u, y};
-      });
+      const std::size_t count =
+          find_row_extrema(rows.data(), radius, margin, end, params.min_response, scratch.data(), columns.data());
+      for (std::size_t i = 0; i < count; ++i) {
+        const int u = columns[i];
+        cv::Point& first = band[static_cast<std::size_t>((u - margin) / side)][response(y, u) > 0 ? 1 : 0];
+        if (first.y == 0) first = {u, y};
+      }
     }
-    for (int block = 0; block < blocks; ++block) {
-      const auto& [least, greatest] = firsts[static_cast<std::size_t>(block)];
+    cv::Point corner(margin, v);
+    for (const auto& [least, greatest] : band) {
       for (const auto& [place, kind] : {std::pair{least, minimum}, std::pair{greatest, maximum}}) {
         // One of several equal values of the block counts only when the first of them does.
-        if (place == none || !is_first(response, {margin + block * side, v}, side, place)) continue;
+        if (place.y == 0 || !is_first(response, corner, side, place)) continue;
         extrema.push_back({place, kind, std::abs(int{response(place)})});
       }
+      corner.x += side;
     }
   }
 }

@@ -1,5 +1,9 @@
 #include "ego_motion/features_simd.hpp"
 
+#include <bit>
+
+#include "simd/set_bits.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "ego_motion/features_simd.cpp"
 #include <hwy/foreach_target.h>  // must come before highway.h
@@ -10,6 +14,20 @@ namespace brink::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
+
+/// Calls f(tag, first) for the vectors that cover [begin, end): as long as may be, then shorter ones.
+template <class F>
+HWY_INLINE void for_each_vector(int begin, int end, const F& f) {
+  const hn::ScalableTag<std::int16_t> all;
+  const hn::CappedTag<std::int16_t, 8> some;
+  const hn::CappedTag<std::int16_t, 1> one;
+  const auto all_lanes = static_cast<int>(hn::Lanes(all));
+  const auto some_lanes = static_cast<int>(hn::Lanes(some));
+  int u = begin;
+  for (; u + all_lanes <= end; u += all_lanes) f(all, u);
+  for (; u + some_lanes <= end; u += some_lanes) f(some, u);
+  for (; u < end; ++u) f(one, u);
+}
 
 /// Weighted sums of the five pixels above each other, column by column.
 struct ColumnSums {
@@ -83,17 +101,10 @@ HWY_INLINE void filter_pixels(D shorts, const ColumnSums& sums, int u, const Fil
 }
 
 void filter_one_row(const std::uint8_t* const* rows, int width, std::int16_t* scratch, const FilteredRow& filtered) {
-  const hn::ScalableTag<std::int16_t> shorts;
-  const hn::CappedTag<std::int16_t, 1> one;
-  const auto lanes = static_cast<int>(hn::Lanes(shorts));
   const int columns = width + 2 * kFilterRadius;
   const ColumnSums sums(scratch, columns);
-  int u = 0;
-  for (; u + lanes <= columns; u += lanes) add_columns(shorts, rows, u, sums);
-  for (; u < columns; ++u) add_columns(one, rows, u, sums);
-  u = 0;
-  for (; u + lanes <= width; u += lanes) filter_pixels(shorts, sums, u, filtered);
-  for (; u < width; ++u) filter_pixels(one, sums, u, filtered);
+  for_each_vector(0, columns, [&](auto shorts, int u) HWY_ATTR { add_columns(shorts, rows, u, sums); });
+  for_each_vector(0, width, [&](auto shorts, int u) HWY_ATTR { filter_pixels(shorts, sums, u, filtered); });
 }
 
 /// The least and the greatest of each of the columns [u, u + lanes of the tag).
@@ -107,46 +118,63 @@ HWY_INLINE void find_limits(D shorts, const std::int16_t* const* rows, int count
     low = hn::Min(low, response);
     high = hn::Max(high, response);
   }
-  hn::StoreU(low, shorts, least + u);
-  hn::StoreU(high, shorts, greatest + u);
+  hn::StoreU(low, shorts, least);
+  hn::StoreU(high, shorts, greatest);
 }
 
-/// Pixels [u, u + lanes of the tag).
+/// Which of the pixels [u, u + lanes of the tag) are extrema, a bit each.
+/// @param least of the columns from u - radius on. @param greatest likewise.
 template <class D>
-HWY_INLINE void mark_pixels(D shorts, const std::int16_t* row, const std::int16_t* least, const std::int16_t* greatest,
-                            int radius, int u, std::int16_t least_strength, std::uint8_t* marks) {
-  auto low = hn::LoadU(shorts, least + u - radius);
-  auto high = hn::LoadU(shorts, greatest + u - radius);
-  for (int i = 1 - radius; i <= radius; ++i) {
-    low = hn::Min(low, hn::LoadU(shorts, least + u + i));
-    high = hn::Max(high, hn::LoadU(shorts, greatest + u + i));
+HWY_INLINE std::uint64_t select_extrema(D shorts, const std::int16_t* row, const std::int16_t* least,
+                                        const std::int16_t* greatest, int radius, int u, std::int16_t least_strength) {
+  auto low = hn::LoadU(shorts, least);
+  auto high = hn::LoadU(shorts, greatest);
+  for (int i = 1; i <= 2 * radius; ++i) {
+    low = hn::Min(low, hn::LoadU(shorts, least + i));
+    high = hn::Max(high, hn::LoadU(shorts, greatest + i));
   }
   const auto response = hn::LoadU(shorts, row + u);
   const auto weak = hn::Set(shorts, static_cast<std::int16_t>(least_strength - 1));
   const auto minimum = hn::And(hn::Eq(response, low), hn::Lt(response, hn::Neg(weak)));
   const auto maximum = hn::And(hn::Eq(response, high), hn::Gt(response, weak));
-  const auto mark = hn::Or(hn::IfThenElseZero(minimum, hn::Set(shorts, std::int16_t{kMinimumMark})),
-                           hn::IfThenElseZero(maximum, hn::Set(shorts, std::int16_t{kMaximumMark})));
-  const hn::Rebind<std::uint8_t, D> bytes;
-  hn::StoreU(hn::DemoteTo(bytes, mark), bytes, marks + u);
+  std::uint64_t bits = 0;
+  hn::StoreMaskBits(shorts, hn::Or(minimum, maximum), reinterpret_cast<std::uint8_t*>(&bits));
+  return bits;
 }
 
-void mark_row(const std::int16_t* const* rows, int radius, int width, int least_strength, std::int16_t* scratch,
-              std::uint8_t* marks) {
-  const hn::ScalableTag<std::int16_t> shorts;
-  const hn::CappedTag<std::int16_t, 1> one;
-  const auto lanes = static_cast<int>(hn::Lanes(shorts));
+/// Stores the columns of the bits that are set, of `count` from column u on. @return where the next one goes.
+HWY_INLINE std::int32_t* store_columns(std::uint64_t bits, std::size_t count, int u, std::int32_t* columns) {
+  const hn::CappedTag<std::int32_t, 8> ints;
+  for (std::size_t first = 0; first < count; first += 8) {
+    const std::uint64_t eight = bits >> first & 0xFFU;
+    const std::uint8_t* const numbers = kSetBits.numbers[eight];
+    const auto column = hn::Set(ints, u + static_cast<int>(first));
+    for (std::size_t i = 0; i < 8; i += hn::Lanes(ints)) {
+      const auto number = hn::PromoteTo(ints, hn::LoadU(hn::Rebind<std::uint8_t, decltype(ints)>(), numbers + i));
+      hn::StoreU(hn::Add(number, column), ints, columns + i);
+    }
+    columns += std::popcount(eight);
+  }
+  return columns;
+}
+
+std::size_t find_in_row(const std::int16_t* const* rows, int radius, int begin, int end, int least_strength,
+                        std::int16_t* scratch, std::int32_t* columns) {
+  const int first = begin - radius;
+  const int last = end + radius;
   std::int16_t* const least = scratch;
-  std::int16_t* const greatest = scratch + width;
-  const int count = 2 * radius + 1;
-  int u = 0;
-  for (; u + lanes <= width; u += lanes) find_limits(shorts, rows, count, u, least, greatest);
-  for (; u < width; ++u) find_limits(one, rows, count, u, least, greatest);
+  std::int16_t* const greatest = scratch + (last - first);
+  for_each_vector(first, last, [&](auto shorts, int u) HWY_ATTR {
+    find_limits(shorts, rows, 2 * radius + 1, u, least + u - first, greatest + u - first);
+  });
   const auto strength = static_cast<std::int16_t>(least_strength);
-  u = radius;
-  for (; u + lanes <= width - radius; u += lanes)
-    mark_pixels(shorts, rows[radius], least, greatest, radius, u, strength, marks);
-  for (; u < width - radius; ++u) mark_pixels(one, rows[radius], least, greatest, radius, u, strength, marks);
+  std::int32_t* next = columns;
+  for_each_vector(begin, end, [&](auto shorts, int u) HWY_ATTR {
+    const int i = u - begin;
+    const std::uint64_t bits = select_extrema(shorts, rows[radius], least + i, greatest + i, radius, u, strength);
+    next = store_columns(bits, hn::Lanes(shorts), u, next);
+  });
+  return static_cast<std::size_t>(next - columns);
 }
 
 }  // namespace
@@ -157,15 +185,15 @@ HWY_AFTER_NAMESPACE();
 namespace brink {
 
 HWY_EXPORT(filter_one_row);
-HWY_EXPORT(mark_row);
+HWY_EXPORT(find_in_row);
 
 void filter_row(const std::array<const std::uint8_t*, 5>& rows, int width, std::int16_t* scratch, const FilteredRow& filtered) {
   HWY_DYNAMIC_DISPATCH(filter_one_row)(rows.data(), width, scratch, filtered);
 }
 
-void mark_extrema(const std::int16_t* const* rows, int radius, int width, int least_strength, std::int16_t* scratch,
-                  std::uint8_t* marks) {
-  HWY_DYNAMIC_DISPATCH(mark_row)(rows, radius, width, least_strength, scratch, marks);
+std::size_t find_row_extrema(const std::int16_t* const* rows, int radius, int begin, int end, int least_strength,
+                             std::int16_t* scratch, std::int32_t* columns) {
+  return HWY_DYNAMIC_DISPATCH(find_in_row)(rows, radius, begin, end, least_strength, scratch, columns);
 }
 
 }  // namespace brink

@@ -20,18 +20,22 @@ struct FilteredRow {
 inline constexpr std::size_t filter_scratch(int width) { return 6 * static_cast<std::size_t>(width + 2 * kFilterRadius); }
 
 /// Filters the middle one of five rows. Equal to the plain twin in tests/reference/features.hpp for every target, as is
-/// mark_extrema.
+/// find_row_extrema.
 /// @param rows kFilterRadius pixels longer at both ends than what is filtered. @param scratch of filter_scratch(width) values.
 void filter_row(const std::array<const std::uint8_t*, 5>& rows, int width, std::int16_t* scratch, const FilteredRow& filtered);
 
-/// What mark_extrema tells of a pixel.
-inline constexpr std::uint8_t kMinimumMark = 1;
-inline constexpr std::uint8_t kMaximumMark = 2;
+/// Scratch that find_row_extrema needs for [begin, end).
+inline constexpr std::size_t extrema_scratch(int begin, int end, int radius) {
+  return 2 * static_cast<std::size_t>(end - begin + 2 * radius);
+}
+/// So many more columns are written than are found.
+inline constexpr std::size_t kSpareColumns = 8;
 
-/// Marks the pixels of the middle row whose response is at least `least_strength`, and beyond which none in the
-/// (2 radius + 1)^2 neighbourhood goes. @param rows 2 radius + 1 rows of responses. @param scratch of 2 width values.
-/// @param marks of the pixels [radius, width - radius); the others are left alone.
-void mark_extrema(const std::int16_t* const* rows, int radius, int width, int least_strength, std::int16_t* scratch,
-                  std::uint8_t* marks);
+/// The columns [begin, end) of the middle row whose response is at least `least_strength` from 0, and beyond which none in the
+/// (2 radius + 1)^2 neighbourhood goes. @param rows 2 radius + 1 rows of responses, of at least end + radius columns.
+/// @param scratch of extrema_scratch(begin, end, radius) values. @param columns receives them from left to right.
+/// @return how many there are.
+std::size_t find_row_extrema(const std::int16_t* const* rows, int radius, int begin, int end, int least_strength,
+                             std::int16_t* scratch, std::int32_t* columns);
 
 }  // namespace brink

@@ -11,8 +11,8 @@
 namespace brink {
 namespace {
 
-constexpr int kStripWidth = 64;  // px: so that a window has few pieces ...
-constexpr int kRowHeight = 4;    // px: ... and a search along a row looks at little else
+constexpr int kStripWidth = 128;  // px: so that a window has few pieces ...
+constexpr int kRowHeight = 4;     // px: ... and a search along a row looks at little else
 
 SearchWindow around(cv::Point2f centre, double radius) {
   const auto r = static_cast<float>(radius);
@@ -55,11 +55,17 @@ FeatureIndex::FeatureIndex(std::vector<Feature> features, cv::Size size)
   Groups groups = group_items(features_, bin(static_cast<FeatureClass>(kFeatureClasses), 0, 0), [this](const Feature& feature) {
     return bin(feature.kind, strip_of(feature.position.x), row_of(feature.position.y));
   });
-  entries_.reserve(features_.size());
+  columns_.u.reserve(features_.size() + FeatureColumns::kSpare);
+  columns_.v.reserve(features_.size() + FeatureColumns::kSpare);
+  columns_.descriptors.reserve(features_.size());
   for (const std::size_t i : groups.items) {
-    const auto& [u, v] = features_[i].position;
-    entries_.push_back({{u, v, -u, -v}, features_[i].descriptor, static_cast<int>(i)});
+    columns_.u.push_back(features_[i].position.x);
+    columns_.v.push_back(features_[i].position.y);
+    columns_.descriptors.push_back(features_[i].descriptor);
   }
+  columns_.u.resize(features_.size() + FeatureColumns::kSpare);
+  columns_.v.resize(features_.size() + FeatureColumns::kSpare);
+  numbers_ = std::move(groups.items);
   begins_ = std::move(groups.begins);
 }
 
@@ -79,13 +85,12 @@ std::optional<int> FeatureIndex::find(const Feature& feature, const SearchWindow
   const auto& [least, greatest] = window;
   const int strip = strip_of(least.x);
   const int row = row_of(least.y);
-  const SearchPieces pieces{entries_.data(), begins_.data() + bin(feature.kind, strip, row), static_cast<std::size_t>(rows_),
-                            static_cast<std::size_t>(row_of(greatest.y) - row + 1),
-                            static_cast<std::size_t>(strip_of(greatest.x) - strip + 1)};
-  const BestTwo two = find_best_two(pieces, {least.x, least.y, -greatest.x, -greatest.y}, feature.descriptor);
-  if (two.index < 0 || two.cost > params.max_match_cost || two.cost >= params.match_ratio * two.second_cost)
-    return std::nullopt;
-  return two.index;
+  const FeaturePieces pieces{begins_.data() + bin(feature.kind, strip, row), static_cast<std::size_t>(rows_),
+                             static_cast<std::size_t>(row_of(greatest.y) - row + 1),
+                             static_cast<std::size_t>(strip_of(greatest.x) - strip + 1)};
+  const BestTwo two = find_best_two(columns_, pieces, {least.x, least.y, greatest.x, greatest.y}, feature.descriptor);
+  if (two.best < 0 || two.cost > params.max_match_cost || two.cost >= params.match_ratio * two.second_cost) return std::nullopt;
+  return static_cast<int>(numbers_[static_cast<std::size_t>(two.best)]);
 }
 
 std::vector<StereoMatch> match_stereo(const StereoFeatures& frame, const EgoMotionParams& params) {

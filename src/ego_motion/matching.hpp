@@ -42,8 +42,9 @@ class FeatureIndex {
   int strips_ = 1;
   int rows_ = 1;
   // Class by class, strip by strip, row by row of a strip: the part of a window that is in one strip lies in one piece.
-  std::vector<FeatureEntry> entries_;
-  std::vector<std::size_t> begins_;  ///< of each bin in the entries, and their end
+  FeatureColumns columns_;
+  std::vector<std::size_t> numbers_;  ///< of the columns' features in features_
+  std::vector<std::size_t> begins_;   ///< of each bin in the columns, and their end
 };
 
 /// Features of both pictures of a frame.

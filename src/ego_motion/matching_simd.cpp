@@ -1,7 +1,10 @@
 #include "ego_motion/matching_simd.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
+
+#include "simd/set_bits.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "ego_motion/matching_simd.cpp"
@@ -14,30 +17,38 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+using Floats = hn::CappedTag<float, 8>;
+using Ints = hn::Rebind<std::int32_t, Floats>;
+
+constexpr std::uint64_t kNone = ~std::uint64_t{0};
+
+/// Costs, each above the number of its feature.
+struct BestKeys {
+  std::uint64_t best = kNone;
+  std::uint64_t second = kNone;
+  void add(std::uint64_t cost, std::int32_t feature) {
+    const std::uint64_t key = (cost << 32U) | static_cast<std::uint32_t>(feature);
+    second = std::min(second, std::max(best, key));
+    best = std::min(best, key);
+  }
+};
+
 #if HWY_TARGET == HWY_SCALAR
 
-class Query {
- public:
-  Query(const float* limits, const std::uint8_t* wanted) : limits_(limits), wanted_(wanted) {}
-  [[nodiscard]] bool holds(const FeatureEntry& entry) const {
-    return std::equal(entry.place.begin(), entry.place.end(), limits_, [](float place, float limit) { return place >= limit; });
+void compare(const std::uint8_t* descriptors, const std::uint8_t* wanted, const std::int32_t* features, std::size_t count,
+             BestKeys& keys) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint8_t* const descriptor = descriptors + 32 * static_cast<std::size_t>(features[i]);
+    std::uint64_t cost = 0;
+    for (std::size_t k = 0; k < 32; ++k) cost += static_cast<std::uint64_t>(std::abs(int{descriptor[k]} - int{wanted[k]}));
+    keys.add(cost, features[i]);
   }
-  [[nodiscard]] int compute_cost(const FeatureEntry& entry) const {
-    int cost = 0;
-    for (std::size_t i = 0; i < entry.descriptor.size(); ++i) cost += std::abs(int{entry.descriptor[i]} - int{wanted_[i]});
-    return cost;
-  }
-
- private:
-  const float* limits_;
-  const std::uint8_t* wanted_;
-};
+}
 
 #else
 
 using Bytes = hn::CappedTag<std::uint8_t, 32>;
 using Words = hn::Repartition<std::uint64_t, Bytes>;
-using Floats = hn::FixedTag<float, 4>;
 
 /// Sums of |a - b| over every 8 bytes. Highway 1.0.3 has no such operation, x86 has an instruction.
 HWY_INLINE hn::Vec<Words> sum_differences(hn::Vec<Bytes> a, hn::Vec<Bytes> b) {
@@ -50,42 +61,61 @@ HWY_INLINE hn::Vec<Words> sum_differences(hn::Vec<Bytes> a, hn::Vec<Bytes> b) {
 #endif
 }
 
-class Query {
- public:
-  HWY_INLINE Query(const float* limits, const std::uint8_t* wanted)
-      : limits_(hn::LoadU(Floats(), limits)), first_(hn::LoadU(Bytes(), wanted)), last_(hn::LoadU(Bytes(), wanted + kLast)) {}
-  [[nodiscard]] HWY_INLINE bool holds(const FeatureEntry& entry) const {
-    return hn::AllTrue(Floats(), hn::Ge(hn::Load(Floats(), entry.place.data()), limits_));
+/// Adds the costs of features to the keys.
+HWY_INLINE void compare(const std::uint8_t* descriptors, const std::uint8_t* wanted, const std::int32_t* features,
+                        std::size_t count, BestKeys& keys) {
+  constexpr std::size_t kLast = 32 - hn::MaxLanes(Bytes());  // 0: one vector holds all
+  const auto first_wanted = hn::LoadU(Bytes(), wanted);
+  const auto last_wanted = hn::LoadU(Bytes(), wanted + kLast);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint8_t* const descriptor = descriptors + 32 * static_cast<std::size_t>(features[i]);
+    auto sums = sum_differences(first_wanted, hn::LoadU(Bytes(), descriptor));
+    if (kLast != 0) sums = hn::Add(sums, sum_differences(last_wanted, hn::LoadU(Bytes(), descriptor + kLast)));
+    keys.add(hn::GetLane(hn::SumOfLanes(Words(), sums)), features[i]);
   }
-  [[nodiscard]] HWY_INLINE int compute_cost(const FeatureEntry& entry) const {
-    auto sums = sum_differences(first_, hn::LoadU(Bytes(), entry.descriptor.data()));
-    if (kLast != 0) sums = hn::Add(sums, sum_differences(last_, hn::LoadU(Bytes(), entry.descriptor.data() + kLast)));
-    return static_cast<int>(hn::GetLane(hn::SumOfLanes(Words(), sums)));
-  }
-
- private:
-  static constexpr std::size_t kLast = 32 - hn::MaxLanes(Bytes());  ///< 0: one vector holds all
-  hn::Vec<Floats> limits_;
-  hn::Vec<Bytes> first_;
-  hn::Vec<Bytes> last_;
-};
+}
 
 #endif
 
-BestTwo search_pieces(const SearchPieces& pieces, const float* limits, const std::uint8_t* wanted) {
-  const Query query(limits, wanted);
-  BestTwo two;
-  for (std::size_t strip = 0; strip < pieces.strips; ++strip) {
-    const std::size_t* const begin = pieces.begins + strip * pieces.stride;
-    const FeatureEntry* const end = pieces.entries + begin[pieces.length];
-    for (const FeatureEntry* entry = pieces.entries + *begin; entry != end; ++entry) {
-      if (!query.holds(*entry)) continue;
-      const int cost = query.compute_cost(*entry);
-      two.second_cost = std::min(two.second_cost, std::max(two.cost, cost));
-      two.index = cost < two.cost ? entry->index : two.index;
-      two.cost = std::min(two.cost, cost);
+BestTwo search_pieces(const float* u, const float* v, const std::uint8_t* descriptors, const FeaturePieces& pieces,
+                      const float* window, const std::uint8_t* wanted) {
+  const Floats floats;
+  const Ints ints;
+  const std::size_t lanes = hn::Lanes(floats);
+  const auto least_u = hn::Set(floats, window[0]);
+  const auto least_v = hn::Set(floats, window[1]);
+  const auto greatest_u = hn::Set(floats, window[2]);
+  const auto greatest_v = hn::Set(floats, window[3]);
+  constexpr std::size_t kAtOnce = 256;
+  HWY_ALIGN std::int32_t within[kAtOnce + 16];  // NOLINT(modernize-avoid-c-arrays)
+  std::size_t count = 0;
+  BestKeys keys;
+  for (std::size_t piece = 0; piece < pieces.pieces; ++piece) {
+    const std::size_t* const begin = pieces.begins + piece * pieces.stride;
+    const std::size_t end = begin[pieces.length];
+    for (std::size_t first = *begin; first < end; first += lanes) {
+      const auto column = hn::LoadU(floats, u + first);
+      const auto row = hn::LoadU(floats, v + first);
+      const auto beside = hn::And(hn::Ge(column, least_u), hn::Le(column, greatest_u));
+      const auto above = hn::And(hn::Ge(row, least_v), hn::Le(row, greatest_v));
+      const auto is_within = hn::And(hn::And(beside, above), hn::FirstN(floats, end - first));
+      std::uint8_t bits = 0;
+      hn::StoreMaskBits(floats, is_within, &bits);
+      const auto numbers = hn::PromoteTo(ints, hn::LoadU(hn::Rebind<std::uint8_t, Ints>(), kSetBits.numbers[bits]));
+      hn::StoreU(hn::Add(numbers, hn::Set(ints, static_cast<std::int32_t>(first))), ints, within + count);
+      count += static_cast<std::size_t>(std::popcount(bits));
+      if (count < kAtOnce) continue;
+      compare(descriptors, wanted, within, count, keys);
+      count = 0;
     }
   }
+  compare(descriptors, wanted, within, count, keys);
+  BestTwo two;
+  if (keys.best != kNone) {
+    two.best = static_cast<int>(keys.best & 0xFFFFFFFFU);
+    two.cost = static_cast<int>(keys.best >> 32U);
+  }
+  if (keys.second != kNone) two.second_cost = static_cast<int>(keys.second >> 32U);
   return two;
 }
 
@@ -98,8 +128,11 @@ namespace brink {
 
 HWY_EXPORT(search_pieces);
 
-BestTwo find_best_two(const SearchPieces& pieces, const std::array<float, 4>& limits, const FeatureDescriptor& wanted) {
-  return HWY_DYNAMIC_DISPATCH(search_pieces)(pieces, limits.data(), wanted.data());
+BestTwo find_best_two(const FeatureColumns& features, const FeaturePieces& pieces, const std::array<float, 4>& window,
+                      const FeatureDescriptor& wanted) {
+  const auto* const descriptors = reinterpret_cast<const std::uint8_t*>(features.descriptors.data());
+  return HWY_DYNAMIC_DISPATCH(search_pieces)(features.u.data(), features.v.data(), descriptors, pieces, window.data(),
+                                             wanted.data());
 }
 
 }  // namespace brink

@@ -3,37 +3,37 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <vector>
 
 #include "ego_motion/features.hpp"
 
 namespace brink {
 
-/// A feature as a search looks at it; a line of the cache.
-struct alignas(64) FeatureEntry {
-  std::array<float, 4>
-      place{};  ///< column, row, and both with the other sign, px: within a window when none is below its limits
-  FeatureDescriptor descriptor{};
-  int index = 0;
+/// Features as a search looks at them.
+struct FeatureColumns {
+  static constexpr std::size_t kSpare = 16;  ///< so many more places may be read beyond the last one
+  std::vector<float> u, v;                   ///< px; with spare ones
+  std::vector<FeatureDescriptor> descriptors;
 };
 
-/// Groups of entries that lie in `strips` pieces, piece s from begins[s * stride] to begins[s * stride + length].
-struct SearchPieces {
-  const FeatureEntry* entries;
+/// Pieces of them: piece s from begins[s * stride] to begins[s * stride + length].
+struct FeaturePieces {
   const std::size_t* begins;
   std::size_t stride;
   std::size_t length;
-  std::size_t strips;
+  std::size_t pieces;
 };
 
-/// The entry that looks most like a descriptor, and how much so does the next one.
+/// The feature that looks most like a descriptor, and how much so does the next one.
 struct BestTwo {
-  int index = -1;  ///< of the entry; -1 = none; of several alike any
+  int best = -1;  ///< number of the feature; -1 = none; of several alike any
   int cost = std::numeric_limits<int>::max();
   int second_cost = std::numeric_limits<int>::max();
 };
 
-/// Compares what is within the limits. Equal to the plain twin in tests/reference/matching.hpp for every target.
-/// @param limits of FeatureEntry::place.
-BestTwo find_best_two(const SearchPieces& pieces, const std::array<float, 4>& limits, const FeatureDescriptor& wanted);
+/// Compares what is within the window. Equal to the plain twin in tests/reference/matching.hpp for every target.
+/// @param window least column and row, greatest column and row, px, borders included.
+BestTwo find_best_two(const FeatureColumns& features, const FeaturePieces& pieces, const std::array<float, 4>& window,
+                      const FeatureDescriptor& wanted);
 
 }  // namespace brink

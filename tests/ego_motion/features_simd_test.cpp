@@ -38,29 +38,33 @@ TEST(FilterRow, EqualsThePlainTwinOnEveryTarget) {
   }
 }
 
-TEST(MarkExtrema, EqualsThePlainTwinOnEveryTarget) {
+TEST(FindRowExtrema, EqualsThePlainTwinOnEveryTarget) {
   cv::RNG random(4);
   for (const int radius : {1, 3, 20}) {
     for (const int width : {2 * radius + 1, 2 * radius + 18, 2 * radius + 70}) {
       cv::Mat1s response(2 * radius + 3, width);
       random.fill(response, cv::RNG::UNIFORM, -32, 32);  // so few values that many neighbours are equal
-      test::for_each_target([&] {
-        int marked = 0;
-        for (int v = radius; v < response.rows - radius; ++v) {
-          std::vector<const std::int16_t*> rows;
-          for (int y = v - radius; y <= v + radius; ++y) rows.push_back(response[y]);
-          std::vector<std::int16_t> scratch(2 * static_cast<std::size_t>(width));
-          std::vector<std::uint8_t> marks(static_cast<std::size_t>(width), 77);
-          mark_extrema(rows.data(), radius, width, 30, scratch.data(), marks.data());
-          for (int u = 0; u < width; ++u) {
-            const bool inside = u >= radius && u < width - radius;
-            const int expected = inside ? reference::naive_mark(response, {u, v}, radius, 30) : 77;
-            EXPECT_EQ(marks[static_cast<std::size_t>(u)], expected) << radius << " " << width << " " << u;
-            marked += inside && expected != 0 ? 1 : 0;
+      for (const int begin : {radius, radius + 5}) {
+        const int end = width - radius;
+        if (begin >= end) continue;
+        test::for_each_target([&] {
+          std::size_t found = 0;
+          for (int v = radius; v < response.rows - radius; ++v) {
+            std::vector<const std::int16_t*> rows;
+            for (int y = v - radius; y <= v + radius; ++y) rows.push_back(response[y]);
+            std::vector<std::int16_t> scratch(extrema_scratch(begin, end, radius));
+            std::vector<std::int32_t> columns(static_cast<std::size_t>(end - begin) + kSpareColumns);
+            columns.resize(find_row_extrema(rows.data(), radius, begin, end, 30, scratch.data(), columns.data()));
+            std::vector<std::int32_t> expected;
+            for (int u = begin; u < end; ++u) {
+              if (reference::naive_is_extremum(response, {u, v}, radius, 30)) expected.push_back(u);
+            }
+            EXPECT_EQ(columns, expected) << radius << " " << width << " " << begin;
+            found += expected.size();
           }
-        }
-        EXPECT_TRUE(marked > 0 || width < 2 * radius + 70);
-      });
+          EXPECT_TRUE(found > 0 || width < 2 * radius + 70);
+        });
+      }
     }
   }
 }

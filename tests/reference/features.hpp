@@ -2,10 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <cstdlib>
-#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -40,8 +37,8 @@ inline FilteredPixel naive_filters(const cv::Mat1b& picture, cv::Point place) {
   return result;
 }
 
-/// mark_extrema for one pixel.
-inline std::uint8_t naive_mark(const cv::Mat1s& response, cv::Point place, int radius, int least_strength) {
+/// find_row_extrema for one pixel.
+inline bool naive_is_extremum(const cv::Mat1s& response, cv::Point place, int radius, int least_strength) {
   const int value = response(place);
   bool least = value <= -least_strength;
   bool greatest = value >= least_strength;
@@ -51,7 +48,7 @@ inline std::uint8_t naive_mark(const cv::Mat1s& response, cv::Point place, int r
       greatest = greatest && response(v, u) <= value;
     }
   }
-  return static_cast<std::uint8_t>((least ? 1 : 0) | (greatest ? 2 : 0));
+  return least || greatest;
 }
 
 }  // namespace brink::reference
