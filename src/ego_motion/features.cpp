@@ -1,6 +1,7 @@
 #include "ego_motion/features.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdlib>
 #include <functional>
@@ -89,8 +90,33 @@ bool is_first(const cv::Mat1s& response, cv::Point corner, int side, cv::Point p
   return true;
 }
 
-/// Extrema of a band of blocks: of each the first minimum and the first maximum, row by row; row 0 = none.
-using BandExtrema = std::vector<std::array<cv::Point, 2>>;
+/// Extrema of a band of blocks: of each block the first minimum, number 2 block, and the first maximum, row by row.
+class BandExtrema {
+ public:
+  explicit BandExtrema(int blocks) : places_(2 * static_cast<std::size_t>(blocks)), taken_(places_.size() / 64 + 1) {}
+  void clear() { std::fill(taken_.begin(), taken_.end(), 0); }
+  void add(std::size_t number, cv::Point place) {
+    std::uint64_t& word = taken_[number / 64];
+    const std::uint64_t bit = std::uint64_t{1} << number % 64;
+    if ((word & bit) != 0) return;
+    word |= bit;
+    places_[number] = place;
+  }
+  /// Calls take(number, place) for each.
+  template <typename Take>
+  void for_each(const Take& take) const {
+    for (std::size_t i = 0; i < taken_.size(); ++i) {
+      for (std::uint64_t word = taken_[i]; word != 0; word &= word - 1) {
+        const std::size_t number = 64 * i + static_cast<std::size_t>(std::countr_zero(word));
+        take(number, places_[number]);
+      }
+    }
+  }
+
+ private:
+  std::vector<cv::Point> places_;
+  std::vector<std::uint64_t> taken_;  ///< a bit for each place
+};
 
 /// The least and the greatest value of each block that are extrema of their neighbourhood.
 void find_extrema(const cv::Mat1s& response, FeatureClass minimum, FeatureClass maximum, const EgoMotionParams& params,
@@ -104,28 +130,24 @@ void find_extrema(const cv::Mat1s& response, FeatureClass minimum, FeatureClass 
   std::vector<const short*> rows(static_cast<std::size_t>(2 * radius + 1));
   std::vector<short> scratch(extrema_scratch(margin, end, radius));
   std::vector<int> columns(static_cast<std::size_t>(end - margin) + kSpareColumns);
-  BandExtrema band(static_cast<std::size_t>(blocks));
+  BandExtrema band(blocks);
   for (int v = margin; v + side + margin <= response.rows; v += side) {
-    std::fill(band.begin(), band.end(), BandExtrema::value_type{});
+    band.clear();
     for (int y = v; y < v + side; ++y) {
       for (int i = 0; i <= 2 * radius; ++i) rows[static_cast<std::size_t>(i)] = response[y - radius + i];
       const std::size_t count =
           find_row_extrema(rows.data(), radius, margin, end, params.min_response, scratch.data(), columns.data());
       for (std::size_t i = 0; i < count; ++i) {
         const int u = columns[i];
-        cv::Point& first = band[static_cast<std::size_t>((u - margin) / side)][response(y, u) > 0 ? 1 : 0];
-        if (first.y == 0) first = {u, y};
+        band.add(2 * static_cast<std::size_t>((u - margin) / side) + (response(y, u) > 0 ? 1 : 0), {u, y});
       }
     }
-    cv::Point corner(margin, v);
-    for (const auto& [least, greatest] : band) {
-      for (const auto& [place, kind] : {std::pair{least, minimum}, std::pair{greatest, maximum}}) {
-        // One of several equal values of the block counts only when the first of them does.
-        if (place.y == 0 || !is_first(response, corner, side, place)) continue;
-        extrema.push_back({place, kind, std::abs(int{response(place)})});
-      }
-      corner.x += side;
-    }
+    band.for_each([&](std::size_t number, cv::Point place) {
+      const cv::Point corner(margin + static_cast<int>(number / 2) * side, v);
+      // One of several equal values of the block counts only when the first of them does.
+      if (!is_first(response, corner, side, place)) return;
+      extrema.push_back({place, number % 2 == 0 ? minimum : maximum, std::abs(int{response(place)})});
+    });
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <limits>
 
 #include "simd/set_bits.hpp"
 
@@ -20,14 +21,13 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, 8>;
 using Ints = hn::Rebind<std::int32_t, Floats>;
 
-constexpr std::uint64_t kNone = ~std::uint64_t{0};
+constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::max();
 
-/// Costs, each above the number of its feature.
+/// The two least keys: costs, each above the number of its feature.
 struct BestKeys {
-  std::uint64_t best = kNone;
-  std::uint64_t second = kNone;
-  void add(std::uint64_t cost, std::int32_t feature) {
-    const std::uint64_t key = (cost << 32U) | static_cast<std::uint32_t>(feature);
+  std::int64_t best = kNone;
+  std::int64_t second = kNone;
+  void add(std::int64_t key) {
     second = std::min(second, std::max(best, key));
     best = std::min(best, key);
   }
@@ -35,20 +35,22 @@ struct BestKeys {
 
 #if HWY_TARGET == HWY_SCALAR
 
-void compare(const std::uint8_t* descriptors, const std::uint8_t* wanted, const std::int32_t* features, std::size_t count,
-             BestKeys& keys) {
+BestKeys compare(const std::uint8_t* descriptors, const std::uint8_t* wanted, const std::int32_t* features, std::size_t count,
+                 BestKeys keys) {
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint8_t* const descriptor = descriptors + 32 * static_cast<std::size_t>(features[i]);
-    std::uint64_t cost = 0;
-    for (std::size_t k = 0; k < 32; ++k) cost += static_cast<std::uint64_t>(std::abs(int{descriptor[k]} - int{wanted[k]}));
-    keys.add(cost, features[i]);
+    std::int64_t cost = 0;
+    for (std::size_t k = 0; k < 32; ++k) cost += std::abs(int{descriptor[k]} - int{wanted[k]});
+    keys.add(cost << 32U | features[i]);
   }
+  return keys;
 }
 
 #else
 
 using Bytes = hn::CappedTag<std::uint8_t, 32>;
 using Words = hn::Repartition<std::uint64_t, Bytes>;
+using Keys = hn::Repartition<std::int64_t, Bytes>;
 
 /// Sums of |a - b| over every 8 bytes. Highway 1.0.3 has no such operation, x86 has an instruction.
 HWY_INLINE hn::Vec<Words> sum_differences(hn::Vec<Bytes> a, hn::Vec<Bytes> b) {
@@ -61,18 +63,67 @@ HWY_INLINE hn::Vec<Words> sum_differences(hn::Vec<Bytes> a, hn::Vec<Bytes> b) {
 #endif
 }
 
-/// Adds the costs of features to the keys.
-HWY_INLINE void compare(const std::uint8_t* descriptors, const std::uint8_t* wanted, const std::int32_t* features,
-                        std::size_t count, BestKeys& keys) {
-  constexpr std::size_t kLast = 32 - hn::MaxLanes(Bytes());  // 0: one vector holds all
-  const auto first_wanted = hn::LoadU(Bytes(), wanted);
-  const auto last_wanted = hn::LoadU(Bytes(), wanted + kLast);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint8_t* const descriptor = descriptors + 32 * static_cast<std::size_t>(features[i]);
-    auto sums = sum_differences(first_wanted, hn::LoadU(Bytes(), descriptor));
-    if (kLast != 0) sums = hn::Add(sums, sum_differences(last_wanted, hn::LoadU(Bytes(), descriptor + kLast)));
-    keys.add(hn::GetLane(hn::SumOfLanes(Words(), sums)), features[i]);
+/// The costs of as many features as a vector holds words.
+class Costs {
+ public:
+  HWY_INLINE Costs(const std::uint8_t* descriptors, const std::uint8_t* wanted)
+      : descriptors_(descriptors), first_(hn::LoadU(Bytes(), wanted)), last_(hn::LoadU(Bytes(), wanted + kLast)) {}
+
+  [[nodiscard]] HWY_INLINE hn::Vec<Words> compute(const std::int32_t* features) const {
+    const auto first = compute_two(features);
+#if HWY_MAX_BYTES >= 32
+    const auto second = compute_two(features + 2);
+    return hn::Add(hn::ConcatLowerLower(Words(), second, first), hn::ConcatUpperUpper(Words(), second, first));
+#else
+    return first;
+#endif
   }
+
+ private:
+  /// Of two features, alternating; of a vector of 32 bytes each half has a part of them.
+  [[nodiscard]] HWY_INLINE hn::Vec<Words> compute_two(const std::int32_t* features) const {
+    const auto a = compute_one(features[0]);
+    const auto b = compute_one(features[1]);
+    return hn::Add(hn::InterleaveLower(Words(), a, b), hn::InterleaveUpper(Words(), a, b));
+  }
+  [[nodiscard]] HWY_INLINE hn::Vec<Words> compute_one(std::int32_t feature) const {
+    const std::uint8_t* const descriptor = descriptors_ + 32 * static_cast<std::size_t>(feature);
+    const auto sums = sum_differences(first_, hn::LoadU(Bytes(), descriptor));
+    return kLast == 0 ? sums : hn::Add(sums, sum_differences(last_, hn::LoadU(Bytes(), descriptor + kLast)));
+  }
+
+  static constexpr std::size_t kLast = 32 - hn::MaxLanes(Bytes());  ///< 0: one vector holds a descriptor
+  const std::uint8_t* descriptors_;
+  hn::Vec<Bytes> first_;
+  hn::Vec<Bytes> last_;
+};
+
+/// The keys, and those of `count` features more. @param features with as many spare ones behind as a vector holds words.
+HWY_INLINE BestKeys compare(const std::uint8_t* descriptors, const std::uint8_t* wanted, std::int32_t* features,
+                            std::size_t count, BestKeys keys) {
+  const Keys tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  const Costs costs(descriptors, wanted);
+  const auto none = hn::Set(tag, kNone);
+  auto best = none;
+  auto second = none;
+  hn::StoreU(hn::Zero(hn::Rebind<std::int32_t, Keys>()), hn::Rebind<std::int32_t, Keys>(), features + count);
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const auto numbers = hn::PromoteTo(tag, hn::LoadU(hn::Rebind<std::int32_t, Keys>(), features + i));
+    const auto all = hn::Or(hn::ShiftLeft<32>(hn::BitCast(tag, costs.compute(features + i))), numbers);
+    const auto key = hn::IfThenElse(hn::FirstN(tag, count - i), all, none);
+    second = hn::Min(second, hn::Max(best, key));
+    best = hn::Min(best, key);
+  }
+  HWY_ALIGN std::int64_t firsts[HWY_MAX_BYTES / 8];   // NOLINT(modernize-avoid-c-arrays)
+  HWY_ALIGN std::int64_t seconds[HWY_MAX_BYTES / 8];  // NOLINT(modernize-avoid-c-arrays)
+  hn::Store(best, tag, firsts);
+  hn::Store(second, tag, seconds);
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    keys.add(firsts[lane]);
+    keys.second = std::min(keys.second, seconds[lane]);
+  }
+  return keys;
 }
 
 #endif
@@ -105,17 +156,17 @@ BestTwo search_pieces(const float* u, const float* v, const std::uint8_t* descri
       hn::StoreU(hn::Add(numbers, hn::Set(ints, static_cast<std::int32_t>(first))), ints, within + count);
       count += static_cast<std::size_t>(std::popcount(bits));
       if (count < kAtOnce) continue;
-      compare(descriptors, wanted, within, count, keys);
+      keys = compare(descriptors, wanted, within, count, keys);
       count = 0;
     }
   }
-  compare(descriptors, wanted, within, count, keys);
+  keys = compare(descriptors, wanted, within, count, keys);
   BestTwo two;
   if (keys.best != kNone) {
-    two.best = static_cast<int>(keys.best & 0xFFFFFFFFU);
-    two.cost = static_cast<int>(keys.best >> 32U);
+    two.best = static_cast<int>(keys.best & 0xFFFFFFFF);
+    two.cost = static_cast<int>(keys.best >> 32);
   }
-  if (keys.second != kNone) two.second_cost = static_cast<int>(keys.second >> 32U);
+  if (keys.second != kNone) two.second_cost = static_cast<int>(keys.second >> 32);
   return two;
 }
 
