@@ -106,12 +106,13 @@ Eigen::Matrix3d rotation_of(const Eigen::Vector3d& vector) {
   return Eigen::AngleAxisd(vector.norm(), vector.stableNormalized()).toRotationMatrix();
 }
 
-/// Truncated sum of squares: an inlier counts by how well it fits, an outlier by the limit.
+/// Truncated sum of squares: an inlier counts by how well it fits, an outlier by the limit. Summed up to `enough` only.
 double compute_ransac_cost(const std::vector<Observation>& observations, const StereoCamera& camera,
-                           const Eigen::Isometry3d& motion, double limit, int& inliers) {
+                           const Eigen::Isometry3d& motion, double limit, double enough, int& inliers) {
   double cost = 0.0;
   inliers = 0;
   for (const Observation& observation : observations) {
+    if (cost >= enough) break;
     const double error = compute_error(observation, camera, motion);
     inliers += error < limit ? 1 : 0;
     cost += std::min(error * error, limit * limit);
@@ -210,7 +211,8 @@ std::optional<Eigen::Isometry3d> find_motion(const std::vector<Observation>& obs
                                 std::numeric_limits<double>::infinity());
     if (!fit) continue;
     int inliers = 0;
-    const double cost = compute_ransac_cost(observations, camera, fit->current_from_previous, params.inlier_sigmas, inliers);
+    const double cost =
+        compute_ransac_cost(observations, camera, fit->current_from_previous, params.inlier_sigmas, best_cost, inliers);
     if (cost >= best_cost) continue;
     best_cost = cost;
     best = fit->current_from_previous;
