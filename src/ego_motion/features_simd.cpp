@@ -31,13 +31,13 @@ HWY_INLINE void for_each_vector(int begin, int end, const F& f) {
 
 /// Weighted sums of the five pixels above each other, column by column.
 struct ColumnSums {
-  ColumnSums(std::int16_t* scratch, int columns)
+  ColumnSums(std::int16_t* scratch, std::ptrdiff_t columns)
       : blob_centre(scratch),
-        blob_inner(scratch + columns),
-        blob_outer(scratch + 2 * columns),
-        checker(scratch + 3 * columns),
-        smooth(scratch + 4 * columns),
-        derivative(scratch + 5 * columns) {}
+        blob_inner(blob_centre + columns),
+        blob_outer(blob_inner + columns),
+        checker(blob_outer + columns),
+        smooth(checker + columns),
+        derivative(smooth + columns) {}
   std::int16_t* blob_centre;
   std::int16_t* blob_inner;
   std::int16_t* blob_outer;  ///< of which the filter has the negative

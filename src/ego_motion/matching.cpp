@@ -78,7 +78,8 @@ int FeatureIndex::row_of(float v) const {
 }
 
 std::size_t FeatureIndex::bin(FeatureClass kind, int strip, int row) const {
-  return static_cast<std::size_t>((static_cast<int>(kind) * strips_ + strip) * rows_ + row);
+  const int all_strips = static_cast<int>(kind) * strips_ + strip;
+  return static_cast<std::size_t>(all_strips) * static_cast<std::size_t>(rows_) + static_cast<std::size_t>(row);
 }
 
 std::optional<int> FeatureIndex::find(const Feature& feature, const SearchWindow& window, const EgoMotionParams& params) const {

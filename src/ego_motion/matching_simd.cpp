@@ -22,6 +22,7 @@ using Floats = hn::CappedTag<float, 8>;
 using Ints = hn::Rebind<std::int32_t, Floats>;
 
 constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::max();
+constexpr std::int64_t kLowHalf = 0xFFFFFFFF;
 
 /// The two least keys: costs, each above the number of its feature.
 struct BestKeys {
@@ -108,10 +109,11 @@ HWY_INLINE BestKeys compare(const std::uint8_t* descriptors, const std::uint8_t*
   auto best = none;
   auto second = none;
   hn::StoreU(hn::Zero(hn::Rebind<std::int32_t, Keys>()), hn::Rebind<std::int32_t, Keys>(), features + count);
+  auto place = hn::Iota(tag, 0);  // in the list, for the number of the feature there
   for (std::size_t i = 0; i < count; i += lanes) {
-    const auto numbers = hn::PromoteTo(tag, hn::LoadU(hn::Rebind<std::int32_t, Keys>(), features + i));
-    const auto all = hn::Or(hn::ShiftLeft<32>(hn::BitCast(tag, costs.compute(features + i))), numbers);
+    const auto all = hn::Or(hn::ShiftLeft<32>(hn::BitCast(tag, costs.compute(features + i))), place);
     const auto key = hn::IfThenElse(hn::FirstN(tag, count - i), all, none);
+    place = hn::Add(place, hn::Set(tag, static_cast<std::int64_t>(lanes)));
     second = hn::Min(second, hn::Max(best, key));
     best = hn::Min(best, key);
   }
@@ -119,10 +121,13 @@ HWY_INLINE BestKeys compare(const std::uint8_t* descriptors, const std::uint8_t*
   HWY_ALIGN std::int64_t seconds[HWY_MAX_BYTES / 8];  // NOLINT(modernize-avoid-c-arrays)
   hn::Store(best, tag, firsts);
   hn::Store(second, tag, seconds);
+  BestKeys found;
   for (std::size_t lane = 0; lane < lanes; ++lane) {
-    keys.add(firsts[lane]);
-    keys.second = std::min(keys.second, seconds[lane]);
+    found.add(firsts[lane]);
+    found.second = std::min(found.second, seconds[lane]);
   }
+  if (found.best != kNone) keys.add((found.best & ~kLowHalf) | features[found.best & kLowHalf]);
+  keys.second = std::min(keys.second, found.second);
   return keys;
 }
 
@@ -163,7 +168,7 @@ BestTwo search_pieces(const float* u, const float* v, const std::uint8_t* descri
   keys = compare(descriptors, wanted, within, count, keys);
   BestTwo two;
   if (keys.best != kNone) {
-    two.best = static_cast<int>(keys.best & 0xFFFFFFFF);
+    two.best = static_cast<int>(keys.best & kLowHalf);
     two.cost = static_cast<int>(keys.best >> 32);
   }
   if (keys.second != kNone) two.second_cost = static_cast<int>(keys.second >> 32);
