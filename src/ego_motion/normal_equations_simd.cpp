@@ -31,9 +31,10 @@ HWY_INLINE void add_observation(const LinearObservation& observation, double* su
   }
   for (std::size_t i = 1; i < kEquationColumns; ++i) {
     for (std::size_t column = 0; column <= i; column += lanes) {
+      const double* const one = weighted + i;
+      const double* const some = rows + column;
       const auto times = [&](std::size_t k) HWY_ATTR {
-        return hn::Mul(hn::Set(doubles, weighted[k * kEquationColumns + i]),
-                       hn::Load(doubles, rows + k * kEquationColumns + column));
+        return hn::Mul(hn::Set(doubles, one[k * kEquationColumns]), hn::Load(doubles, some + k * kEquationColumns));
       };
       double* const sum = sums + i * kEquationColumns + column;
       const auto product = hn::Add(hn::Add(times(0), times(2)), hn::Add(times(1), times(3)));
