@@ -23,7 +23,7 @@ Eigen::Matrix2d with_model_error(const Eigen::Matrix2d& covariance) {
   return covariance + kModelError * kModelError * Eigen::Matrix2d::Identity();
 }
 
-/// The right picture shows the points by itself: its errors have nothing to do with those on the left.
+/// The right picture shows the points by themselves: their errors there have nothing to do with those on the left.
 std::vector<std::optional<RightPlace>> find_in_picture(const cv::Mat1b& right, const std::vector<RightSearch>& searches) {
   std::vector<PatchSearch> patches;
   patches.reserve(searches.size());

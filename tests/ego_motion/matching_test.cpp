@@ -116,5 +116,16 @@ TEST(ThinOut, KeepsTheBestOfEachSquare) {
   EXPECT_TRUE(thin_out({}, 50.0, 2).empty());
 }
 
+TEST(ThinOut, GoesRowByRowOfSquaresAndPrefersTheEarlierOfEqualMatches) {
+  const auto kept = thin_out({make_match(70, 60, 1, 1, 5), make_match(10, 60, 1, 1, 5), make_match(60, 10, 1, 1, 5),
+                              make_match(12, 61, 2, 1, 5), make_match(-10, -5, 1, 1, 9)},
+                             50.0, 1);
+  ASSERT_EQ(kept.size(), 4U);
+  EXPECT_EQ(kept[0].current_left, cv::Point2f(-10, -5));
+  EXPECT_EQ(kept[1].current_left, cv::Point2f(60, 10));
+  EXPECT_EQ(kept[2].current_left, cv::Point2f(10, 60));
+  EXPECT_EQ(kept[3].current_left, cv::Point2f(70, 60));
+}
+
 }  // namespace
 }  // namespace brink
