@@ -91,9 +91,10 @@ CircularMatch make_match(float u, float v, float flow_u, float flow_v, int cost 
 
 TEST(RemoveOutliers, RemovesTheOneThatMovesOtherwise) {
   std::vector<CircularMatch> matches;
-  for (int i = 0; i < 9; ++i)
-    matches.push_back(
-        make_match(50.0F + 10.0F * static_cast<float>(i % 3), 50.0F + 10.0F * static_cast<float>(i / 3), 5.0F, 1.0F));
+  matches.reserve(9);
+  for (const float v : {50.0F, 60.0F, 70.0F}) {
+    for (const float u : {50.0F, 60.0F, 70.0F}) matches.push_back(make_match(u, v, 5.0F, 1.0F));
+  }
   matches[4] = make_match(60, 60, 25.0F, 1.0F);
   const auto kept = remove_outliers(matches, {});
   EXPECT_EQ(kept.size(), 8U);
