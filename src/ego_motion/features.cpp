@@ -1,11 +1,16 @@
 #include "ego_motion/features.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
-#include <tuple>
+#include <cstdlib>
+#include <functional>
+#include <limits>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
+#include "ego_motion/features_simd.hpp"
 #include "grouping.hpp"
 
 namespace brink {
@@ -14,65 +19,54 @@ namespace {
 /// Samples of the descriptor reach this far, and so do filter and gradient: features keep this distance from the border, px.
 constexpr int kMargin = 8;
 
-/// Centre +8, the ring around it +1, the ring around that -1: sums to 0.
-cv::Mat1s filter_blobs(const cv::Mat1b& picture) {
-  cv::Mat1s inner;
-  cv::Mat1s outer;
-  cv::boxFilter(picture, inner, CV_16S, {3, 3}, {-1, -1}, false);
-  cv::boxFilter(picture, outer, CV_16S, {5, 5}, {-1, -1}, false);
-  cv::Mat1s centre;
-  picture.convertTo(centre, CV_16S, 7.0);
-  cv::Mat1s response;
-  cv::addWeighted(inner, 2.0, outer, -1.0, 0.0, response);
-  response += centre;
-  return response;
-}
-
-/// A checkerboard of 2x2 squares, with an empty middle row and column.
-cv::Mat1s filter_corners(const cv::Mat1b& picture) {
-  const cv::Mat1f kernel = (cv::Mat1f(1, 5) << -1, -1, 0, 1, 1);
-  cv::Mat1s response;
-  cv::sepFilter2D(picture, response, CV_16S, kernel, kernel);
-  return response;
-}
-
-struct Gradients {
-  cv::Mat1b u;
-  cv::Mat1b v;
+/// All that features are found with, of each pixel: FilteredRow.
+struct Filtered {
+  explicit Filtered(cv::Size size) : blobs(size), corners(size), gradients(size) {}
+  cv::Mat1s blobs;
+  cv::Mat1s corners;
+  cv::Mat1w gradients;
 };
 
-/// 5x5 Sobel, an eighth of full scale, 128 = none.
-Gradients compute_gradients(const cv::Mat1b& picture) {
-  const cv::Mat1f derivative = (cv::Mat1f(1, 5) << -1 / 128.0F, -2 / 128.0F, 0, 2 / 128.0F, 1 / 128.0F);
-  const cv::Mat1f smooth = (cv::Mat1f(1, 5) << 1, 4, 6, 4, 1);
-  Gradients gradients;
-  cv::sepFilter2D(picture, gradients.u, CV_8U, derivative, smooth, {-1, -1}, 128.0);
-  cv::sepFilter2D(picture, gradients.v, CV_8U, smooth, derivative, {-1, -1}, 128.0);
-  return gradients;
+Filtered filter(const cv::Mat1b& picture) {
+  cv::Mat1b wide;
+  cv::copyMakeBorder(picture, wide, kFilterRadius, kFilterRadius, kFilterRadius, kFilterRadius, cv::BORDER_REFLECT_101);
+  Filtered filtered(picture.size());
+  std::vector<std::int16_t> scratch(filter_scratch(picture.cols));
+  for (int v = 0; v < picture.rows; ++v) {
+    filter_row({wide[v], wide[v + 1], wide[v + 2], wide[v + 3], wide[v + 4]}, picture.cols, scratch.data(),
+               {filtered.blobs[v], filtered.corners[v], filtered.gradients[v]});
+  }
+  return filtered;
 }
 
-FeatureDescriptor describe(const Gradients& gradients, cv::Point place) {
-  static const std::array<cv::Point, 16> samples = {{{-1, -1},
-                                                     {1, -1},
-                                                     {-1, 1},
-                                                     {1, 1},
-                                                     {-3, -1},
-                                                     {3, -1},
-                                                     {-3, 1},
-                                                     {3, 1},
-                                                     {-1, -5},
-                                                     {1, -5},
-                                                     {-1, 5},
-                                                     {1, 5},
-                                                     {-5, -3},
-                                                     {5, -3},
-                                                     {-5, 3},
-                                                     {5, 3}}};
+FeatureDescriptor describe(const cv::Mat1w& gradients, cv::Point place) {
+  struct Offset {
+    int u, v;
+  };
+  static constexpr std::array<Offset, 16> kSamples = {{{-1, -1},
+                                                       {1, -1},
+                                                       {-1, 1},
+                                                       {1, 1},
+                                                       {-3, -1},
+                                                       {3, -1},
+                                                       {-3, 1},
+                                                       {3, 1},
+                                                       {-1, -5},
+                                                       {1, -5},
+                                                       {-1, 5},
+                                                       {1, 5},
+                                                       {-5, -3},
+                                                       {5, -3},
+                                                       {-5, 3},
+                                                       {5, 3}}};
+  const ushort* const centre = gradients[place.y] + place.x;
+  const auto stride = static_cast<std::ptrdiff_t>(gradients.step1());
   FeatureDescriptor descriptor;
   std::size_t i = 0;
-  for (const cv::Point& sample : samples) {
-    descriptor[i++] = gradients.u(place + sample);
-    descriptor[i++] = gradients.v(place + sample);
+  for (const Offset& sample : kSamples) {
+    const unsigned pair = centre[sample.v * stride + sample.u];
+    descriptor[i++] = static_cast<std::uint8_t>(pair & 0xFFU);
+    descriptor[i++] = static_cast<std::uint8_t>(pair >> 8U);
   }
   return descriptor;
 }
@@ -83,63 +77,77 @@ struct Extremum {
   int strength;
 };
 
-/// Whether no value in the (2 radius + 1)^2 neighbourhood is more extreme. @param sign -1 = minimum, 1 = maximum.
-bool is_extremum(const cv::Mat1s& response, cv::Point place, int sign, int radius) {
-  const int value = sign * response(place);
-  for (int v = place.y - radius; v <= place.y + radius; ++v) {
-    const short* row = response[v];
-    for (int u = place.x - radius; u <= place.x + radius; ++u) {
-      if (sign * row[u] > value) return false;
+/// Whether no pixel of a block before this one, row by row, has the same value.
+bool is_first(const cv::Mat1s& response, cv::Point corner, int side, cv::Point place) {
+  const short value = response(place);
+  for (int v = corner.y; v <= place.y; ++v) {
+    const short* const row = response[v];
+    const int end = v < place.y ? corner.x + side : place.x;
+    for (int u = corner.x; u < end; ++u) {
+      if (row[u] == value) return false;
     }
   }
   return true;
 }
 
-/// The least and the greatest value of each column of a band of rows.
-struct Band {
-  std::vector<short> least;
-  std::vector<short> greatest;
-  void set(const cv::Mat1s& response, int first_row, int rows) {
-    least.assign(response[first_row], response[first_row] + response.cols);
-    greatest = least;
-    for (int v = first_row + 1; v < first_row + rows; ++v) {
-      const short* const row = response[v];
-      for (std::size_t u = 0; u < least.size(); ++u) {
-        least[u] = std::min(least[u], row[u]);
-        greatest[u] = std::max(greatest[u], row[u]);
+/// Extrema of a band of blocks: of each block the first minimum, number 2 block, and the first maximum, row by row.
+class BandExtrema {
+ public:
+  explicit BandExtrema(int blocks) : places_(2 * static_cast<std::size_t>(blocks)), taken_(places_.size() / 64 + 1) {}
+  void clear() { std::fill(taken_.begin(), taken_.end(), 0); }
+  void add(std::size_t number, cv::Point place) {
+    std::uint64_t& word = taken_[number / 64];
+    const std::uint64_t bit = std::uint64_t{1} << number % 64;
+    if ((word & bit) != 0) return;
+    word |= bit;
+    places_[number] = place;
+  }
+  /// Calls take(number, place) for each.
+  template <typename Take>
+  void for_each(const Take& take) const {
+    for (std::size_t i = 0; i < taken_.size(); ++i) {
+      for (std::uint64_t word = taken_[i]; word != 0; word &= word - 1) {
+        const std::size_t number = 64 * i + static_cast<std::size_t>(std::countr_zero(word));
+        take(number, places_[number]);
       }
     }
   }
-};
 
-/// The first place in a block, row by row, that has a value; there must be one.
-cv::Point find_value(const cv::Mat1s& response, cv::Point corner, int side, short value) {
-  for (int v = corner.y; v < corner.y + side; ++v) {
-    const short* const row = response[v] + corner.x;
-    const short* const found = std::find(row, row + side, value);
-    if (found != row + side) return {corner.x + static_cast<int>(found - row), v};
-  }
-  return corner;
-}
+ private:
+  std::vector<cv::Point> places_;
+  std::vector<std::uint64_t> taken_;  ///< a bit for each place
+};
 
 /// The least and the greatest value of each block that are extrema of their neighbourhood.
 void find_extrema(const cv::Mat1s& response, FeatureClass minimum, FeatureClass maximum, const EgoMotionParams& params,
                   std::vector<Extremum>& extrema) {
-  const int side = params.feature_radius_px + 1;
-  const int margin = std::max(kMargin, params.feature_radius_px);
-  Band band;
+  const int radius = params.feature_radius_px;
+  const int side = radius + 1;
+  const int margin = std::max(kMargin, radius);
+  const int blocks = (response.cols - 2 * margin) / side;
+  if (blocks <= 0) return;
+  const int end = margin + blocks * side;
+  std::vector<const short*> rows(static_cast<std::size_t>(2 * radius + 1));
+  std::vector<short> scratch(extrema_scratch(margin, end, radius));
+  std::vector<int> columns(static_cast<std::size_t>(end - margin) + kSpareColumns);
+  BandExtrema band(blocks);
   for (int v = margin; v + side + margin <= response.rows; v += side) {
-    band.set(response, v, side);
-    for (int u = margin; u + side + margin <= response.cols; u += side) {
-      const short least = *std::min_element(band.least.begin() + u, band.least.begin() + u + side);
-      const short greatest = *std::max_element(band.greatest.begin() + u, band.greatest.begin() + u + side);
-      for (const auto& [value, sign, kind] : {std::tuple{least, -1, minimum}, std::tuple{greatest, 1, maximum}}) {
-        const int strength = sign * value;
-        if (strength < params.min_response) continue;
-        const cv::Point place = find_value(response, {u, v}, side, value);
-        if (is_extremum(response, place, sign, params.feature_radius_px)) extrema.push_back({place, kind, strength});
+    band.clear();
+    for (int y = v; y < v + side; ++y) {
+      for (int i = 0; i <= 2 * radius; ++i) rows[static_cast<std::size_t>(i)] = response[y - radius + i];
+      const std::size_t count =
+          find_row_extrema(rows.data(), radius, margin, end, params.min_response, scratch.data(), columns.data());
+      for (std::size_t i = 0; i < count; ++i) {
+        const int u = columns[i];
+        band.add(2 * static_cast<std::size_t>((u - margin) / side) + (response(y, u) > 0 ? 1 : 0), {u, y});
       }
     }
+    band.for_each([&](std::size_t number, cv::Point place) {
+      const cv::Point corner(margin + static_cast<int>(number / 2) * side, v);
+      // One of several equal values of the block counts only when the first of them does.
+      if (!is_first(response, corner, side, place)) return;
+      extrema.push_back({place, number % 2 == 0 ? minimum : maximum, std::abs(int{response(place)})});
+    });
   }
 }
 
@@ -152,16 +160,21 @@ std::vector<Extremum> keep_strongest(const std::vector<Extremum>& extrema, cv::S
     return static_cast<std::size_t>(square);
   };
   const auto square_count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
-  Groups squares = group_items(extrema, square_count, square_of);
+  const Groups squares = group_items(extrema, square_count, square_of);
+  std::vector<std::uint64_t> keys(extrema.size());  // the strongest is the greatest, of equal ones the first
+  std::transform(squares.items.begin(), squares.items.end(), keys.begin(), [&extrema](std::size_t i) {
+    return (static_cast<std::uint64_t>(extrema[i].strength) << 32U) | (std::numeric_limits<std::uint32_t>::max() - i);
+  });
   std::vector<Extremum> kept;
+  kept.reserve(extrema.size());
   for (std::size_t square = 0; square < square_count; ++square) {
-    const auto begin = squares.items.begin() + static_cast<std::ptrdiff_t>(squares.begins[square]);
-    const auto end = squares.items.begin() + static_cast<std::ptrdiff_t>(squares.begins[square + 1]);
+    const auto begin = keys.begin() + static_cast<std::ptrdiff_t>(squares.begins[square]);
+    const auto end = keys.begin() + static_cast<std::ptrdiff_t>(squares.begins[square + 1]);
     const auto last = begin + std::min<std::ptrdiff_t>(per_bucket, end - begin);
-    std::partial_sort(begin, last, end, [&extrema](std::size_t a, std::size_t b) {
-      return extrema[a].strength != extrema[b].strength ? extrema[a].strength > extrema[b].strength : a < b;
-    });
-    for (auto one = begin; one != last; ++one) kept.push_back(extrema[*one]);
+    std::partial_sort(begin, last, end, std::greater<>());
+    for (auto key = begin; key != last; ++key) {
+      kept.push_back(extrema[std::numeric_limits<std::uint32_t>::max() - static_cast<std::uint32_t>(*key)]);
+    }
   }
   return kept;
 }
@@ -178,17 +191,19 @@ cv::Mat1b halve(const cv::Mat1b& picture) {
 std::vector<Feature> find_features(const cv::Mat1b& picture, const EgoMotionParams& params) {
   const int step = static_cast<int>(picture.total()) >= params.half_resolution_from_px ? 2 : 1;
   const cv::Mat1b searched = step == 2 ? halve(picture) : picture;
+  const Filtered filtered = filter(searched);
   std::vector<Extremum> extrema;
-  find_extrema(filter_blobs(searched), FeatureClass::blob_minimum, FeatureClass::blob_maximum, params, extrema);
-  find_extrema(filter_corners(searched), FeatureClass::corner_minimum, FeatureClass::corner_maximum, params, extrema);
-  const Gradients gradients = compute_gradients(searched);
+  find_extrema(filtered.blobs, FeatureClass::blob_minimum, FeatureClass::blob_maximum, params, extrema);
+  find_extrema(filtered.corners, FeatureClass::corner_minimum, FeatureClass::corner_maximum, params, extrema);
+  const std::vector<Extremum> kept =
+      keep_strongest(extrema, searched.size(), params.feature_bucket_px / step, params.features_per_bucket);
   std::vector<Feature> features;
-  for (const Extremum& extremum :
-       keep_strongest(extrema, searched.size(), params.feature_bucket_px / step, params.features_per_bucket)) {
+  features.reserve(kept.size());
+  for (const Extremum& extremum : kept) {
     const float offset = step == 2 ? 0.5F : 0.0F;  // the centre of a 2x2 mean lies between its pixels
     const cv::Point2f position(static_cast<float>(step * extremum.place.x) + offset,
                                static_cast<float>(step * extremum.place.y) + offset);
-    features.push_back({position, extremum.kind, extremum.strength, describe(gradients, extremum.place)});
+    features.push_back({position, extremum.kind, extremum.strength, describe(filtered.gradients, extremum.place)});
   }
   return features;
 }

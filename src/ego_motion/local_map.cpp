@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <Eigen/Cholesky>
-#include <tbb/parallel_for.h>
 
 namespace brink {
 namespace {
@@ -41,32 +40,31 @@ Eigen::Matrix2d stereo_warp(const Eigen::Vector2d& slope) {
   return warp;
 }
 
-/// Finds the point in the right picture. @return whether it was found.
-bool measure_disparity(MapPoint& point, const SmoothPair& pictures, double offset) {
-  const Eigen::Vector2d left(point.patch.centre.x, point.patch.centre.y);
-  const auto right = find_in_right(pictures, point.patch, {left, Eigen::Matrix2d::Zero()},
-                                   left - Eigen::Vector2d(point.disparity - offset, 0.0), stereo_warp(point.slope));
-  if (!right) return false;
-  point.disparity = left.x() - right->position.x() + offset;
-  point.variance = right->covariance(2, 2);
-  point.row_offset = right->position.y() - left.y();
-  point.row_variance = right->covariance(3, 3);
-  return point.disparity > kLeastDisparity;
+/// Column, row and disparity of each point, px.
+std::vector<Eigen::Vector3d> list_places(const std::vector<MapPoint>& points) {
+  std::vector<Eigen::Vector3d> places;
+  places.reserve(points.size());
+  for (const MapPoint& point : points) places.emplace_back(point.patch.centre.x, point.patch.centre.y, point.disparity);
+  return places;
 }
 
 /// Slope of the surface through its neighbours, by reweighted least squares: those of another surface count nothing.
-Eigen::Vector2d fit_slope(const MapPoint& point, const std::vector<MapPoint>& points, double radius) {
+Eigen::Vector2d fit_slope(const Eigen::Vector3d& place, const std::vector<Eigen::Vector3d>& places, double radius) {
   constexpr int kRounds = 4;
-  constexpr double kTolerance = 0.5;   // px: disparity off the surface
-  constexpr double kStiffness = 50.0;  // px^2: keeps a slope from one or two neighbours small
+  constexpr double kTolerance = 0.5;        // px: disparity off the surface
+  constexpr double kStiffness = 50.0;       // px^2: keeps a slope from one or two neighbours small
+  std::vector<Eigen::Vector3d> neighbours;  // from the place
+  for (const Eigen::Vector3d& other : places) {
+    const Eigen::Vector3d apart = other - place;
+    if (apart.head<2>().norm() <= radius) neighbours.push_back(apart);
+  }
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();
   for (int round = 0; round < kRounds; ++round) {
     Eigen::Matrix2d hessian = kStiffness * Eigen::Matrix2d::Identity();
     Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
-    for (const MapPoint& other : points) {
-      const Eigen::Vector2d apart(other.patch.centre.x - point.patch.centre.x, other.patch.centre.y - point.patch.centre.y);
-      if (apart.norm() > radius) continue;
-      const double difference = other.disparity - point.disparity;
+    for (const Eigen::Vector3d& neighbour : neighbours) {
+      const Eigen::Vector2d apart = neighbour.head<2>();
+      const double difference = neighbour.z();
       const double off = (difference - slope.dot(apart)) / (kTolerance * (kRounds - round));
       const double weight = 1.0 / ((1.0 + off * off) * (1.0 + off * off));
       hessian += weight * apart * apart.transpose();
@@ -77,16 +75,29 @@ Eigen::Vector2d fit_slope(const MapPoint& point, const std::vector<MapPoint>& po
   return slope;
 }
 
-void keep_found(std::vector<MapPoint>& points, const std::vector<char>& found) {
+/// Finds the points in the right picture; those that are not there are left out.
+void measure_disparities(std::vector<MapPoint>& points, const SmoothPair& pictures, double offset) {
+  std::vector<RightSearch> searches;
+  searches.reserve(points.size());
+  for (const MapPoint& point : points) {
+    const Eigen::Vector2d left(point.patch.centre.x, point.patch.centre.y);
+    searches.push_back({{left, Eigen::Matrix2d::Zero()},
+                        {&point.patch, left - Eigen::Vector2d(point.disparity - offset, 0.0), stereo_warp(point.slope)}});
+  }
+  const auto places = find_in_right(pictures, searches);
+  std::vector<char> found(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!places[i]) continue;
+    const Eigen::Vector2d& left = searches[i].left.position;
+    MapPoint& point = points[i];
+    point.disparity = left.x() - places[i]->position.x() + offset;
+    point.variance = places[i]->covariance(2, 2);
+    point.row_offset = places[i]->position.y() - left.y();
+    point.row_variance = places[i]->covariance(3, 3);
+    found[i] = point.disparity > kLeastDisparity ? 1 : 0;
+  }
   std::size_t i = 0;
   std::erase_if(points, [&](const MapPoint&) { return found[i++] == 0; });
-}
-
-void measure_disparities(std::vector<MapPoint>& points, const SmoothPair& pictures, double offset) {
-  std::vector<char> found(points.size());
-  tbb::parallel_for(std::size_t{0}, points.size(),
-                    [&](std::size_t i) { found[i] = measure_disparity(points[i], pictures, offset) ? 1 : 0; });
-  keep_found(points, found);
 }
 
 /// A pixel of a keyframe, with its disparity, as the current cameras see it: column and row left, then right.
@@ -126,25 +137,41 @@ std::optional<Prediction> predict(const MapPoint& point, const StereoCamera& cam
   return prediction;
 }
 
-/// The point as it is found in the current pair; Sighting::keyframe and point are the caller's.
-std::optional<Sighting> find_point(const MapPoint& point, const Keyframe& keyframe, const SmoothPair& current,
-                                   const StereoCamera& camera, const Eigen::Isometry3d& current_from_previous, double offset) {
-  const auto prediction = predict(point, camera, current_from_previous * keyframe.frame_from_keyframe);
-  if (!prediction) return std::nullopt;
-  const auto left = align_patch(point.patch, current.left, prediction->pixel.head<2>(), prediction->left_warp, kTemporalReach);
-  if (!left) return std::nullopt;
-  // What rectification left in the columns of all, and in the rows of this point when it was new, is taken away.
-  const Eigen::Vector2d rectification(offset, point.row_offset);
-  const auto right =
-      find_in_right(current, point.patch, *left, prediction->pixel.tail<2>() + rectification, prediction->right_warp);
-  if (!right) return std::nullopt;
+/// A point of a keyframe, and where and how it should show.
+struct Sought {
+  std::size_t keyframe;
+  std::size_t point;
+  Prediction prediction;
+};
+
+std::vector<Sought> predict_all(const std::vector<Keyframe>& keyframes, const StereoCamera& camera,
+                                const Eigen::Isometry3d& current_from_previous) {
+  std::vector<Sought> sought;
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    const Eigen::Isometry3d current_from_keyframe = current_from_previous * keyframes[k].frame_from_keyframe;
+    for (std::size_t i = 0; i < keyframes[k].points.size(); ++i) {
+      if (const auto prediction = predict(keyframes[k].points[i], camera, current_from_keyframe))
+        sought.push_back({k, i, *prediction});
+    }
+  }
+  return sought;
+}
+
+/// What rectification left in the columns of all, and in the rows of this point when it was new: it is taken away.
+Eigen::Vector2d rectification_of(const MapPoint& point, double offset) { return {offset, point.row_offset}; }
+
+Sighting make_sighting(const Sought& sought, const Keyframe& keyframe, const StereoCamera& camera, const Eigen::Vector2d& left,
+                       const RightPlace& right, double offset) {
+  const MapPoint& point = keyframe.points[sought.point];
   Sighting sighting;
+  sighting.keyframe = sought.keyframe;
+  sighting.point = sought.point;
   sighting.observation.point =
       keyframe.frame_from_keyframe * camera.triangulate(point.patch.centre.x, point.patch.centre.y, point.disparity);
-  sighting.observation.pixel << left->position, right->position - rectification;
-  sighting.pixel_covariance = right->covariance;
+  sighting.observation.pixel << left, right.position - rectification_of(point, offset);
+  sighting.pixel_covariance = right.covariance;
   sighting.pixel_covariance(3, 3) += point.row_variance;
-  sighting.by_disparity = prediction->by_disparity;
+  sighting.by_disparity = sought.prediction.by_disparity;
   sighting.observation.by_offset = sighting.by_disparity + Eigen::Vector4d::Unit(2);
   sighting.observation.sqrt_information =
       compute_sqrt_information(sighting.pixel_covariance, point.variance, sighting.by_disparity);
@@ -178,8 +205,9 @@ Keyframe make_keyframe(const SmoothPair& pictures, const StereoFeatures& feature
     keyframe.points.push_back(point);
   }
   measure_disparities(keyframe.points, pictures, offset);
-  const std::vector<MapPoint> flat = keyframe.points;
-  for (MapPoint& point : keyframe.points) point.slope = fit_slope(point, flat, params.slope_radius_px);
+  const std::vector<Eigen::Vector3d> places = list_places(keyframe.points);
+  for (std::size_t i = 0; i < places.size(); ++i)
+    keyframe.points[i].slope = fit_slope(places[i], places, params.slope_radius_px);
   measure_disparities(keyframe.points, pictures, offset);
   std::erase_if(keyframe.points, [&](const MapPoint& point) { return point.variance > kMaxVariance; });
   return keyframe;
@@ -188,19 +216,31 @@ Keyframe make_keyframe(const SmoothPair& pictures, const StereoFeatures& feature
 std::vector<Sighting> find_sightings(const std::vector<Keyframe>& keyframes, const SmoothPair& current,
                                      const StereoCamera& camera, const Eigen::Isometry3d& current_from_previous,
                                      double offset) {
+  std::vector<Sought> sought = predict_all(keyframes, camera, current_from_previous);
+  std::vector<PatchSearch> left_searches;
+  left_searches.reserve(sought.size());
+  for (const auto& [keyframe, point, prediction] : sought) {
+    left_searches.push_back({&keyframes[keyframe].points[point].patch, prediction.pixel.head<2>(), prediction.left_warp});
+  }
+  const auto left = align_patches(left_searches, current.left, kTemporalReach);
+  std::size_t next = 0;
+  std::erase_if(sought, [&](const Sought&) { return !left[next++]; });
+  std::vector<RightSearch> right_searches;
+  right_searches.reserve(sought.size());
+  for (const auto& alignment : left) {
+    if (!alignment) continue;
+    const auto& [keyframe, i, prediction] = sought[right_searches.size()];
+    const MapPoint& point = keyframes[keyframe].points[i];
+    const Eigen::Vector2d expected = prediction.pixel.tail<2>() + rectification_of(point, offset);
+    right_searches.push_back({*alignment, {&point.patch, expected, prediction.right_warp}});
+  }
+  const auto right = find_in_right(current, right_searches);
   std::vector<Sighting> sightings;
-  for (std::size_t k = 0; k < keyframes.size(); ++k) {
-    const Keyframe& keyframe = keyframes[k];
-    std::vector<std::optional<Sighting>> found(keyframe.points.size());
-    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
-      found[i] = find_point(keyframe.points[i], keyframe, current, camera, current_from_previous, offset);
-    });
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      if (!found[i]) continue;
-      found[i]->keyframe = k;
-      found[i]->point = i;
-      sightings.push_back(*found[i]);
-    }
+  sightings.reserve(sought.size());
+  for (std::size_t i = 0; i < sought.size(); ++i) {
+    if (!right[i]) continue;
+    sightings.push_back(
+        make_sighting(sought[i], keyframes[sought[i].keyframe], camera, right_searches[i].left.position, *right[i], offset));
   }
   return sightings;
 }

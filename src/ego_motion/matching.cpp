@@ -2,16 +2,17 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <limits>
-#include <numeric>
 #include <utility>
 
 #include <tbb/parallel_for.h>
 
+#include "grouping.hpp"
+
 namespace brink {
 namespace {
 
-constexpr int kSquare = 32;  // px
+constexpr int kStripWidth = 128;  // px: so that a window has few pieces ...
+constexpr int kRowHeight = 4;     // px: ... and a search along a row looks at little else
 
 SearchWindow around(cv::Point2f centre, double radius) {
   const auto r = static_cast<float>(radius);
@@ -50,67 +51,47 @@ std::optional<Prediction> predict(cv::Point2f left, cv::Point2f right, const Ste
 }  // namespace
 
 FeatureIndex::FeatureIndex(std::vector<Feature> features, cv::Size size)
-    : features_(std::move(features)), columns_(size.width / kSquare + 1), rows_(size.height / kSquare + 1) {
-  const auto square_of = [this](const Feature& feature) {
-    const int square = row_of(feature.position.y) * columns_ + column_of(feature.position.x);
-    return static_cast<std::size_t>(square);
-  };
-  // Counted, then put in their places: those of a square stay in the features' order.
-  for (Squares& squares : squares_) squares.begins.assign(static_cast<std::size_t>(columns_ * rows_) + 1, 0);
-  for (const Feature& feature : features_) {
-    ++squares_[static_cast<std::size_t>(feature.kind)].begins[square_of(feature) + 1];
+    : features_(std::move(features)), strips_(size.width / kStripWidth + 1), rows_(size.height / kRowHeight + 1) {
+  Groups groups = group_items(features_, bin(static_cast<FeatureClass>(kFeatureClasses), 0, 0), [this](const Feature& feature) {
+    return bin(feature.kind, strip_of(feature.position.x), row_of(feature.position.y));
+  });
+  columns_.u.reserve(features_.size() + FeatureColumns::kSpare);
+  columns_.v.reserve(features_.size() + FeatureColumns::kSpare);
+  columns_.descriptors.reserve(features_.size());
+  for (const std::size_t i : groups.items) {
+    columns_.u.push_back(features_[i].position.x);
+    columns_.v.push_back(features_[i].position.y);
+    columns_.descriptors.push_back(features_[i].descriptor);
   }
-  for (Squares& squares : squares_) {
-    std::partial_sum(squares.begins.begin(), squares.begins.end(), squares.begins.begin());
-    squares.entries.resize(static_cast<std::size_t>(squares.begins.back()));
-  }
-  std::array<std::vector<int>, kFeatureClasses> next;
-  for (std::size_t kind = 0; kind < kFeatureClasses; ++kind) next[kind] = squares_[kind].begins;
-  for (int i = 0; i < this->size(); ++i) {
-    const Feature& feature = (*this)[i];
-    const auto kind = static_cast<std::size_t>(feature.kind);
-    const int place = next[kind][square_of(feature)]++;
-    squares_[kind].entries[static_cast<std::size_t>(place)] = {feature.position, i, feature.descriptor};
-  }
+  columns_.u.resize(features_.size() + FeatureColumns::kSpare);
+  columns_.v.resize(features_.size() + FeatureColumns::kSpare);
+  numbers_ = std::move(groups.items);
+  begins_ = std::move(groups.begins);
 }
 
-int FeatureIndex::column_of(float u) const {
-  return static_cast<int>(std::clamp(u / kSquare, 0.0F, static_cast<float>(columns_ - 1)));
+int FeatureIndex::strip_of(float u) const {
+  return static_cast<int>(std::clamp(u / kStripWidth, 0.0F, static_cast<float>(strips_ - 1)));
 }
 
 int FeatureIndex::row_of(float v) const {
-  return static_cast<int>(std::clamp(v / kSquare, 0.0F, static_cast<float>(rows_ - 1)));
+  return static_cast<int>(std::clamp(v / kRowHeight, 0.0F, static_cast<float>(rows_ - 1)));
+}
+
+std::size_t FeatureIndex::bin(FeatureClass kind, int strip, int row) const {
+  const int all_strips = static_cast<int>(kind) * strips_ + strip;
+  return static_cast<std::size_t>(all_strips) * static_cast<std::size_t>(rows_) + static_cast<std::size_t>(row);
 }
 
 std::optional<int> FeatureIndex::find(const Feature& feature, const SearchWindow& window, const EgoMotionParams& params) const {
-  int best = -1;
-  int best_cost = std::numeric_limits<int>::max();
-  int second_cost = std::numeric_limits<int>::max();
-  const Squares& squares = squares_[static_cast<std::size_t>(feature.kind)];
-  const auto begin_of = [&](int row, int column) {
-    const int square = row * columns_ + column;
-    return squares.begins[static_cast<std::size_t>(square)];
-  };
-  const int first = column_of(window.least.x);
-  const int last = column_of(window.greatest.x);
-  for (int row = row_of(window.least.y); row <= row_of(window.greatest.y); ++row) {
-    const int end = begin_of(row, last + 1);
-    for (int k = begin_of(row, first); k < end; ++k) {
-      const Entry& other = squares.entries[static_cast<std::size_t>(k)];
-      const bool inside = other.position.x >= window.least.x && other.position.x <= window.greatest.x &&
-                          other.position.y >= window.least.y && other.position.y <= window.greatest.y;
-      if (!inside) continue;
-      const int cost = compute_cost(feature.descriptor, other.descriptor);
-      if (cost < best_cost) {
-        second_cost = std::exchange(best_cost, cost);
-        best = other.index;
-      } else {
-        second_cost = std::min(second_cost, cost);
-      }
-    }
-  }
-  if (best < 0 || best_cost > params.max_match_cost || best_cost >= params.match_ratio * second_cost) return std::nullopt;
-  return best;
+  const auto& [least, greatest] = window;
+  const int strip = strip_of(least.x);
+  const int row = row_of(least.y);
+  const FeaturePieces pieces{begins_.data() + bin(feature.kind, strip, row), static_cast<std::size_t>(rows_),
+                             static_cast<std::size_t>(row_of(greatest.y) - row + 1),
+                             static_cast<std::size_t>(strip_of(greatest.x) - strip + 1)};
+  const BestTwo two = find_best_two(columns_, pieces, {least.x, least.y, greatest.x, greatest.y}, feature.descriptor);
+  if (two.best < 0 || two.cost > params.max_match_cost || two.cost >= params.match_ratio * two.second_cost) return std::nullopt;
+  return static_cast<int>(numbers_[static_cast<std::size_t>(two.best)]);
 }
 
 std::vector<StereoMatch> match_stereo(const StereoFeatures& frame, const EgoMotionParams& params) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -10,6 +10,7 @@
 #include "brink/camera.hpp"
 #include "brink/ego_motion.hpp"
 #include "ego_motion/features.hpp"
+#include "ego_motion/matching_simd.hpp"
 
 namespace brink {
 
@@ -19,7 +20,7 @@ struct SearchWindow {
   cv::Point2f greatest;
 };
 
-/// The features of one picture, sorted into squares, so that a window is searched without looking at all of them.
+/// The features of one picture, sorted into bins, so that a window is searched without looking at all of them.
 class FeatureIndex {
  public:
   /// @param size of the picture.
@@ -33,24 +34,17 @@ class FeatureIndex {
                                         const EgoMotionParams& params) const;
 
  private:
-  [[nodiscard]] int column_of(float u) const;
+  [[nodiscard]] int strip_of(float u) const;
   [[nodiscard]] int row_of(float v) const;
-
-  /// What a search looks at, square by square and row by row of squares, so that a row of a window lies in one piece.
-  struct Entry {
-    cv::Point2f position;
-    int index = 0;  ///< of the feature
-    FeatureDescriptor descriptor{};
-  };
-  struct Squares {
-    std::vector<Entry> entries;
-    std::vector<int> begins;  ///< of each square in the entries, and their end
-  };
+  [[nodiscard]] std::size_t bin(FeatureClass kind, int strip, int row) const;
 
   std::vector<Feature> features_;
-  int columns_ = 1;
+  int strips_ = 1;
   int rows_ = 1;
-  std::array<Squares, kFeatureClasses> squares_;
+  // Class by class, strip by strip, row by row of a strip: the part of a window that is in one strip lies in one piece.
+  FeatureColumns columns_;
+  std::vector<std::size_t> numbers_;  ///< of the columns' features in features_
+  std::vector<std::size_t> begins_;   ///< of each bin in the columns, and their end
 };
 
 /// Features of both pictures of a frame.

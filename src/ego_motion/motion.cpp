@@ -10,6 +10,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "ego_motion/normal_equations_simd.hpp"
+
 namespace brink {
 namespace {
 
@@ -17,12 +19,6 @@ constexpr int kMaxIterations = 100;
 constexpr double kConverged = 1e-2;        // standard deviations: a step this short changes nothing that can be told
 constexpr double kLeastDepth = 0.01;       // m: nearer points are not in view
 constexpr double kLeastEigenvalue = 1e-6;  // of the normal equations, 1/rad^2 and 1/m^2: 1 km and many turns of uncertainty
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
 
 double tukey_weight(double error, double cutoff) {
   if (error >= cutoff) return 0.0;
@@ -36,28 +32,60 @@ using Matrix7d = Eigen::Matrix<double, 7, 7>;
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 
 struct NormalEquations {
-  Matrix7d hessian = Matrix7d::Zero();
+  Matrix7d hessian = Matrix7d::Zero();  ///< lower triangle
   Vector7d gradient = Vector7d::Zero();
 };
 
+/// @param turned the point, turned as the camera did, but not moved. @param point the point in front of the camera now.
+/// @param residual px.
+LinearObservation linearise(const Observation& observation, const StereoCamera& camera, const Eigen::Vector3d& turned,
+                            const Eigen::Vector3d& point, const Eigen::Vector4d& residual, double weight) {
+  // By (w, t), a small turn and shift: the derivative by the point times (-[turned]x, 1).
+  const Eigen::Matrix<double, 4, 3> by_point = project_stereo_jacobian(camera, point);
+  const auto along_row = [&](int i) -> std::array<double, kEquationColumns> {
+    const double by_x = by_point(i, 0);
+    const double by_z = by_point(i, 2);
+    return {residual[i], by_z * turned.y(),       by_x * turned.z() + by_z * -turned.x(), by_x * -turned.y(), by_x, 0.0,
+            by_z,        observation.by_offset[i]};
+  };
+  const auto down_column = [&](int i) -> std::array<double, kEquationColumns> {
+    const double by_y = by_point(i, 1);
+    const double by_z = by_point(i, 2);
+    return {residual[i],
+            by_y * -turned.z() + by_z * turned.y(),
+            by_z * -turned.x(),
+            by_y * turned.x(),
+            0.0,
+            by_y,
+            by_z,
+            observation.by_offset[i]};
+  };
+  return {observation.sqrt_information.data(), {along_row(0), down_column(1), along_row(2), down_column(3)}, weight};
+}
+
 NormalEquations make_normal_equations(const std::vector<Observation>& observations, const StereoCamera& camera,
                                       const MotionFit& fit, double cutoff) {
-  NormalEquations equations;
+  EquationSums sums{};
+  std::array<LinearObservation, 16> some;
+  std::size_t count = 0;
   for (const Observation& observation : observations) {
     const Eigen::Vector3d turned = fit.current_from_previous.linear() * observation.point;
     const Eigen::Vector3d point = turned + fit.current_from_previous.translation();
     if (point.z() < kLeastDepth) continue;
-    const Eigen::Vector4d residual =
-        observation.sqrt_information * (observation.pixel - project_stereo(camera, point) - fit.offset * observation.by_offset);
-    const double weight = tukey_weight(residual.norm(), cutoff);
+    const Eigen::Vector4d residual = observation.pixel - project_stereo(camera, point) - fit.offset * observation.by_offset;
+    const double weight = tukey_weight((observation.sqrt_information * residual).norm(), cutoff);
     if (weight <= 0.0) continue;
-    Eigen::Matrix<double, 3, 6> by_motion;
-    by_motion << -cross_matrix(turned), Eigen::Matrix3d::Identity();
-    Eigen::Matrix<double, 4, 7> jacobian;
-    jacobian << project_stereo_jacobian(camera, point) * by_motion, observation.by_offset;
-    jacobian = observation.sqrt_information * jacobian;
-    equations.hessian.noalias() += weight * jacobian.transpose() * jacobian;
-    equations.gradient.noalias() += weight * jacobian.transpose() * residual;
+    some[count++] = linearise(observation, camera, turned, point, residual, weight);
+    if (count < some.size()) continue;
+    sums = add_observations(some.data(), count, sums);
+    count = 0;
+  }
+  sums = add_observations(some.data(), count, sums);
+  NormalEquations equations;
+  for (int i = 0; i < 7; ++i) {
+    const auto& row = sums[static_cast<std::size_t>(i) + 1];
+    equations.gradient[i] = row[0];
+    for (int j = 0; j <= i; ++j) equations.hessian(i, j) = row[static_cast<std::size_t>(j) + 1];
   }
   return equations;
 }
@@ -69,7 +97,6 @@ void add_prior(NormalEquations& equations, double offset, double variance) {
     equations.gradient[6] -= offset / variance;
   } else {
     equations.hessian.row(6).setZero();
-    equations.hessian.col(6).setZero();
     equations.hessian(6, 6) = 1.0;
     equations.gradient[6] = 0.0;
   }
@@ -79,12 +106,13 @@ Eigen::Matrix3d rotation_of(const Eigen::Vector3d& vector) {
   return Eigen::AngleAxisd(vector.norm(), vector.stableNormalized()).toRotationMatrix();
 }
 
-/// Truncated sum of squares: an inlier counts by how well it fits, an outlier by the limit.
+/// Truncated sum of squares: an inlier counts by how well it fits, an outlier by the limit. Summed up to `enough` only.
 double compute_ransac_cost(const std::vector<Observation>& observations, const StereoCamera& camera,
-                           const Eigen::Isometry3d& motion, double limit, int& inliers) {
+                           const Eigen::Isometry3d& motion, double limit, double enough, int& inliers) {
   double cost = 0.0;
   inliers = 0;
   for (const Observation& observation : observations) {
+    if (cost >= enough) break;
     const double error = compute_error(observation, camera, motion);
     inliers += error < limit ? 1 : 0;
     cost += std::min(error * error, limit * limit);
@@ -183,7 +211,8 @@ std::optional<Eigen::Isometry3d> find_motion(const std::vector<Observation>& obs
                                 std::numeric_limits<double>::infinity());
     if (!fit) continue;
     int inliers = 0;
-    const double cost = compute_ransac_cost(observations, camera, fit->current_from_previous, params.inlier_sigmas, inliers);
+    const double cost =
+        compute_ransac_cost(observations, camera, fit->current_from_previous, params.inlier_sigmas, best_cost, inliers);
     if (cost >= best_cost) continue;
     best_cost = cost;
     best = fit->current_from_previous;

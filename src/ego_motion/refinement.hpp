@@ -33,13 +33,19 @@ struct Alignment {
   Eigen::Matrix2d covariance;  ///< px^2, from the differences of levels that remain
 };
 
+/// A patch, and where it is sought.
+struct PatchSearch {
+  const Patch* patch;
+  Eigen::Vector2d start;  ///< where it is expected, px
+  Eigen::Matrix2d warp;   ///< offsets from the centre of the patch -> offsets there
+};
+
 /// Inverse compositional alignment (Baker, Matthews, IJCV 2004) with a free brightness offset.
-/// @param smooth picture searched, smoothed as the patch's was.
-/// @param start where the patch is expected, px. @param warp offsets from the centre of the patch -> offsets there.
-/// @param reach greatest distance from start, px.
-/// @return empty when it leaves the picture, goes too far, does not settle, or what is found does not look alike.
-std::optional<Alignment> align_patch(const Patch& patch, const cv::Mat1b& smooth, const Eigen::Vector2d& start,
-                                     const Eigen::Matrix2d& warp, double reach);
+/// @param smooth picture searched, smoothed as the patches' were. @param reach greatest distance from the start, px.
+/// @return for each search; empty when it leaves the picture, goes too far, does not settle, or what is found does not look
+/// alike.
+std::vector<std::optional<Alignment>> align_patches(const std::vector<PatchSearch>& searches, const cv::Mat1b& smooth,
+                                                    double reach);
 
 /// What patches are taken from and searched in: less noise, and bilinear interpolation does less harm.
 cv::Mat1b smooth_for_patches(const cv::Mat1b& picture);

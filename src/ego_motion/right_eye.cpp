@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include <Eigen/Cholesky>
+#include <tbb/parallel_for.h>
 
 namespace brink {
 namespace {
@@ -21,15 +23,21 @@ Eigen::Matrix2d with_model_error(const Eigen::Matrix2d& covariance) {
   return covariance + kModelError * kModelError * Eigen::Matrix2d::Identity();
 }
 
-/// The right picture shows the point by itself: its errors have nothing to do with those on the left.
-std::optional<RightPlace> find_in_picture(const cv::Mat1b& right, const Patch& patch, const Alignment& left,
-                                          const Eigen::Vector2d& expected, const Eigen::Matrix2d& warp) {
-  const auto aligned = align_patch(patch, right, expected, warp, kReach);
-  if (!aligned || std::abs(left.position.y() - aligned->position.y()) > kRowTolerance) return std::nullopt;
-  RightPlace place{aligned->position, Eigen::Matrix4d::Zero()};
-  place.covariance.topLeftCorner<2, 2>() = with_model_error(left.covariance);
-  place.covariance.bottomRightCorner<2, 2>() = with_model_error(aligned->covariance);
-  return place;
+/// The right picture shows the points by themselves: their errors there have nothing to do with those on the left.
+std::vector<std::optional<RightPlace>> find_in_picture(const cv::Mat1b& right, const std::vector<RightSearch>& searches) {
+  std::vector<PatchSearch> patches;
+  patches.reserve(searches.size());
+  for (const RightSearch& search : searches) patches.push_back(search.here);
+  const auto found = align_patches(patches, right, kReach);
+  std::vector<std::optional<RightPlace>> places(searches.size());
+  for (std::size_t i = 0; i < searches.size(); ++i) {
+    const Alignment& left = searches[i].left;
+    if (!found[i] || std::abs(left.position.y() - found[i]->position.y()) > kRowTolerance) continue;
+    RightPlace& place = places[i].emplace(RightPlace{found[i]->position, Eigen::Matrix4d::Zero()});
+    place.covariance.topLeftCorner<2, 2>() = with_model_error(left.covariance);
+    place.covariance.bottomRightCorner<2, 2>() = with_model_error(found[i]->covariance);
+  }
+  return places;
 }
 
 /// u_right = u - d, on the same row: the errors on the left show on the right as well.
@@ -90,10 +98,12 @@ std::optional<DisparityReading> read_disparity_at(const cv::Mat1f& disparity, co
   return DisparityReading{plane[2], std::max(kModelError * kModelError, spread * kAlikePixels / count)};
 }
 
-std::optional<RightPlace> find_in_right(const SmoothPair& frame, const Patch& patch, const Alignment& left,
-                                        const Eigen::Vector2d& expected, const Eigen::Matrix2d& warp) {
-  return frame.disparity.empty() ? find_in_picture(frame.right, patch, left, expected, warp)
-                                 : find_by_disparity(frame.disparity, left);
+std::vector<std::optional<RightPlace>> find_in_right(const SmoothPair& frame, const std::vector<RightSearch>& searches) {
+  if (frame.disparity.empty()) return find_in_picture(frame.right, searches);
+  std::vector<std::optional<RightPlace>> places(searches.size());
+  tbb::parallel_for(std::size_t{0}, searches.size(),
+                    [&](std::size_t i) { places[i] = find_by_disparity(frame.disparity, searches[i].left); });
+  return places;
 }
 
 }  // namespace brink

@@ -41,11 +41,14 @@ struct RightPlace {
   Eigen::Matrix4d covariance;  ///< of the position in the left picture and this one, px^2
 };
 
-/// Finds a point of the left picture in the right one, by aligning its patch there, or by the disparity image.
-/// @param left where the left picture shows the point. @param expected in the right picture, px. @param warp of the patch
-/// there.
-/// @return empty when it is not found, or not on its row.
-std::optional<RightPlace> find_in_right(const SmoothPair& frame, const Patch& patch, const Alignment& left,
-                                        const Eigen::Vector2d& expected, const Eigen::Matrix2d& warp);
+/// A point of the left picture that is sought in the right one.
+struct RightSearch {
+  Alignment left;    ///< where the left picture shows it
+  PatchSearch here;  ///< its patch in the right picture
+};
+
+/// Finds points of the left picture in the right one, by aligning their patches there, or by the disparity image.
+/// @return for each search; empty when it is not found, or not on its row.
+std::vector<std::optional<RightPlace>> find_in_right(const SmoothPair& frame, const std::vector<RightSearch>& searches);
 
 }  // namespace brink

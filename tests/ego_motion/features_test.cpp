@@ -1,12 +1,13 @@
 #include "ego_motion/features.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <set>
 #include <tuple>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
+
+#include "reference/features.hpp"
 
 namespace brink {
 namespace {
@@ -24,18 +25,10 @@ cv::Mat1b make_random_picture(const cv::Size& size) {
   return picture;
 }
 
-/// The 5x5 filters as they are defined.
+/// The response of one of the 5x5 filters.
 int naive_response(const cv::Mat1b& picture, int u, int v, bool blob) {
-  int response = 0;
-  for (int y = -2; y <= 2; ++y) {
-    for (int x = -2; x <= 2; ++x) {
-      const int ring = std::max(std::abs(x), std::abs(y));
-      const int blob_weight = ring == 0 ? 8 : ring == 1 ? 1 : -1;
-      const int corner_weight = (x > 0 ? 1 : x < 0 ? -1 : 0) * (y > 0 ? 1 : y < 0 ? -1 : 0);
-      response += (blob ? blob_weight : corner_weight) * picture(v + y, u + x);
-    }
-  }
-  return response;
+  const auto filtered = reference::naive_filters(picture, {u, v});
+  return blob ? filtered.blob : filtered.corner;
 }
 
 TEST(FindFeatures, FindsNoneWithoutTextureAndInPicturesThatAreTooSmall) {
@@ -88,6 +81,44 @@ TEST(FindFeatures, FindsEveryExtremumThatTheNaiveSearchFinds) {
     }
   }
   EXPECT_GT(expected, 50);
+}
+
+TEST(FindFeatures, TakesTheFirstOfEqualValuesOfABlock) {
+  cv::Mat1b picture = make_random_picture({83, 67});
+  for (uchar& level : picture) level = level < 128 ? 0 : 30;  // so few levels that many responses are equal
+  const EgoMotionParams params = all_features();
+  std::set<std::tuple<int, int, FeatureClass>> found;
+  for (const Feature& feature : find_features(picture, params)) {
+    found.emplace(static_cast<int>(feature.position.x), static_cast<int>(feature.position.y), feature.kind);
+  }
+  std::set<std::tuple<int, int, FeatureClass>> expected;
+  const int radius = params.feature_radius_px;
+  const int side = radius + 1;
+  const auto search_block = [&](int left, int top, bool blob, int sign, FeatureClass kind) {
+    const auto strength = [&](int u, int v) { return sign * naive_response(picture, u, v, blob); };
+    cv::Point best(left, top);
+    for (int v = top; v < top + side; ++v) {
+      for (int u = left; u < left + side; ++u) {
+        if (strength(u, v) > strength(best.x, best.y)) best = {u, v};
+      }
+    }
+    for (int v = best.y - radius; v <= best.y + radius; ++v) {
+      for (int u = best.x - radius; u <= best.x + radius; ++u) {
+        if (strength(u, v) > strength(best.x, best.y)) return;
+      }
+    }
+    if (strength(best.x, best.y) >= params.min_response) expected.emplace(best.x, best.y, kind);
+  };
+  for (int top = 8; top + side + 8 <= picture.rows; top += side) {
+    for (int left = 8; left + side + 8 <= picture.cols; left += side) {
+      search_block(left, top, true, -1, FeatureClass::blob_minimum);
+      search_block(left, top, true, 1, FeatureClass::blob_maximum);
+      search_block(left, top, false, -1, FeatureClass::corner_minimum);
+      search_block(left, top, false, 1, FeatureClass::corner_maximum);
+    }
+  }
+  EXPECT_EQ(found, expected);
+  EXPECT_GT(expected.size(), 50U);
 }
 
 TEST(FindFeatures, KeepsTheStrongestOfEachBucketOnly) {

@@ -91,9 +91,10 @@ CircularMatch make_match(float u, float v, float flow_u, float flow_v, int cost 
 
 TEST(RemoveOutliers, RemovesTheOneThatMovesOtherwise) {
   std::vector<CircularMatch> matches;
-  for (int i = 0; i < 9; ++i)
-    matches.push_back(
-        make_match(50.0F + 10.0F * static_cast<float>(i % 3), 50.0F + 10.0F * static_cast<float>(i / 3), 5.0F, 1.0F));
+  matches.reserve(9);
+  for (const float v : {50.0F, 60.0F, 70.0F}) {
+    for (const float u : {50.0F, 60.0F, 70.0F}) matches.push_back(make_match(u, v, 5.0F, 1.0F));
+  }
   matches[4] = make_match(60, 60, 25.0F, 1.0F);
   const auto kept = remove_outliers(matches, {});
   EXPECT_EQ(kept.size(), 8U);
@@ -114,6 +115,17 @@ TEST(ThinOut, KeepsTheBestOfEachSquare) {
   EXPECT_EQ(kept[1].cost, 20);
   EXPECT_EQ(kept[2].cost, 99);
   EXPECT_TRUE(thin_out({}, 50.0, 2).empty());
+}
+
+TEST(ThinOut, GoesRowByRowOfSquaresAndPrefersTheEarlierOfEqualMatches) {
+  const auto kept = thin_out({make_match(70, 60, 1, 1, 5), make_match(10, 60, 1, 1, 5), make_match(60, 10, 1, 1, 5),
+                              make_match(12, 61, 2, 1, 5), make_match(-10, -5, 1, 1, 9)},
+                             50.0, 1);
+  ASSERT_EQ(kept.size(), 4U);
+  EXPECT_EQ(kept[0].current_left, cv::Point2f(-10, -5));
+  EXPECT_EQ(kept[1].current_left, cv::Point2f(60, 10));
+  EXPECT_EQ(kept[2].current_left, cv::Point2f(10, 60));
+  EXPECT_EQ(kept[3].current_left, cv::Point2f(70, 60));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "ego_motion/refinement.hpp"
 
 #include <cmath>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -26,7 +27,12 @@ const cv::Mat1b& reference() {
   return picture;
 }
 
-TEST(AlignPatch, FindsAPatchToAFewHundredthsOfAPixel) {
+std::optional<Alignment> align_patch(const Patch& patch, const cv::Mat1b& smooth, const Eigen::Vector2d& start,
+                                     const Eigen::Matrix2d& warp, double reach) {
+  return align_patches({{&patch, start, warp}}, smooth, reach).front();
+}
+
+TEST(AlignPatches, FindsAPatchToAFewHundredthsOfAPixel) {
   const auto patch = make_patch(reference(), {37, 30});
   ASSERT_TRUE(patch);
   for (const Eigen::Vector2d& shift : {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.3, -0.4), Eigen::Vector2d(-1.5, 0.7)}) {
@@ -37,7 +43,7 @@ TEST(AlignPatch, FindsAPatchToAFewHundredthsOfAPixel) {
   }
 }
 
-TEST(AlignPatch, TakesAWarpIntoAccount) {
+TEST(AlignPatches, TakesAWarpIntoAccount) {
   Eigen::Matrix2d warp;
   warp << 1.1, 0.15, -0.1, 0.9;
   const Eigen::Matrix2d back = warp.inverse();
@@ -51,7 +57,7 @@ TEST(AlignPatch, TakesAWarpIntoAccount) {
   EXPECT_LT((aligned->position - centre).norm(), 0.05);
 }
 
-TEST(AlignPatch, IsEmptyWhereThePatchIsNot) {
+TEST(AlignPatches, IsEmptyWhereThePatchIsNot) {
   const auto patch = make_patch(reference(), {37, 30});
   ASSERT_TRUE(patch);
   const auto find = [&](const cv::Mat1b& picture, const Eigen::Vector2d& start, double reach) {
@@ -65,7 +71,7 @@ TEST(AlignPatch, IsEmptyWhereThePatchIsNot) {
   EXPECT_FALSE(find(reference(), {-300.0, 1e9}, 100.0)) << "far outside";
 }
 
-TEST(AlignPatch, DoesNotCareForBrightness) {
+TEST(AlignPatches, DoesNotCareForBrightness) {
   const auto patch = make_patch(reference(), {37, 30});
   ASSERT_TRUE(patch);
   cv::Mat1b darker;

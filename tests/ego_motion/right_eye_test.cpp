@@ -104,7 +104,8 @@ TEST(FindInRight, ByADisparityImageSharesTheErrorsOfTheLeft) {
   const auto patch = make_patch(picture, {30, 20});
   ASSERT_TRUE(patch);
   const Alignment left{{30.0, 20.0}, 0.01 * Eigen::Matrix2d::Identity()};
-  const auto place = find_in_right({picture, {}, disparity}, *patch, left, {0.0, 0.0}, Eigen::Matrix2d::Identity());
+  const auto place =
+      find_in_right({picture, {}, disparity}, {{left, {&*patch, {0.0, 0.0}, Eigen::Matrix2d::Identity()}}}).front();
   ASSERT_TRUE(place);
   EXPECT_NEAR(place->position.x(), 30.0 - 59.0, 1e-5);  // 60 + 3 - 4
   EXPECT_EQ(place->position.y(), 20.0);
