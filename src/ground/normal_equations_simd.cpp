@@ -71,17 +71,18 @@ void add_up(const std::vector<DisparitySample>& samples, double cx, const Ground
             NormalEquations& equations) {
   const hn::CappedTag<double, kMostLanes> doubles;
   const std::size_t lanes = hn::Lanes(doubles);
-  Terms terms;
+  Terms terms{};
   Sums sums;
   std::size_t i = 0;
   for (; i + lanes <= samples.size(); i += lanes) {
     weigh(doubles, samples.data() + i, cx, plane, band, terms);
     sums.add(terms, lanes);
   }
-  for (; i < samples.size(); ++i) {
-    weigh(hn::CappedTag<double, 1>(), samples.data() + i, cx, plane, band, terms);
-    sums.add(terms, 1);
-  }
+  // The rest in full lanes, too: one lane alone sends StoreInterleaved4 of Highway 1.0.3 into endless recursion on NEON.
+  std::array<DisparitySample, kMostLanes> rest{};
+  std::copy(samples.begin() + static_cast<std::ptrdiff_t>(i), samples.end(), rest.begin());
+  weigh(doubles, rest.data(), cx, plane, band, terms);
+  sums.add(terms, samples.size() - i);
   std::copy(sums.first.begin(), sums.first.end(), equations.begin());
   std::copy(sums.second.begin(), sums.second.end(), equations.begin() + 4);
   equations[8] = sums.last;
