@@ -11,6 +11,7 @@
 
 #include "candidates/evidence.hpp"
 #include "ego_motion/exchanged_eyes.hpp"
+#include "ground/level.hpp"
 
 namespace brink {
 namespace {
@@ -231,9 +232,9 @@ void Detector::report(const Frame& frame, Detection& detection) {
   if (detection.ego_motion.motion) current_from_previous = detection.ego_motion.motion->current_from_previous;
   std::optional<FrameView> view;
   if (detection.ground.plane) {
-    const double level_m = params_.candidates.ground_tolerance_m;
-    const cv::Mat1b level((detection.elevation > -level_m) & (detection.elevation < level_m));
-    view = FrameView{.camera = frame.camera, .ground = detection.ground.pose, .level = level};
+    view = FrameView{.camera = frame.camera,
+                     .ground = detection.ground.pose,
+                     .level = select_level(detection.elevation, params_.candidates.ground_tolerance_m)};
   }
   walk_.update(current_from_previous, frame.time);
   const auto time_to_edge = [&](const Candidate& candidate) -> std::optional<double> {

@@ -17,6 +17,7 @@
 #include "candidates/masks.hpp"
 #include "candidates/region.hpp"
 #include "candidates/rim_slope.hpp"
+#include "evenly_spread.hpp"
 #include "ground/roughness.hpp"
 
 namespace brink {
@@ -122,27 +123,6 @@ double compute_median_brightness(const Frame& frame, const Region& region) {
   return *middle;
 }
 
-/// The pixels of a region that are set in a mask of the picture's size, as such a mask; its memory is used for one region after
-/// the other.
-class CommonMask {
- public:
-  explicit CommonMask(cv::Mat1b mask) : mask_(std::move(mask)), common_(mask_.size(), uchar{0}) {}
-
-  const cv::Mat1b& select(const Region& region) {
-    common_(used_).setTo(0);
-    used_ = region.box & cv::Rect(cv::Point(0, 0), mask_.size());
-    cv::bitwise_and(mask_(used_), region.mask(used_ - region.box.tl()), common_(used_));
-    return common_;
-  }
-  /// The part of the picture outside of which the selected mask is 0.
-  [[nodiscard]] const cv::Rect& box() const { return used_; }
-
- private:
-  cv::Mat1b mask_;
-  cv::Mat1b common_;
-  cv::Rect used_;
-};
-
 double compute_depth(const Region& region, const cv::Mat1f& elevation) {
   std::vector<float> depths;
   for (int v = 0; v < region.mask.rows; ++v) {
@@ -155,12 +135,12 @@ double compute_depth(const Region& region, const cv::Mat1f& elevation) {
   return *place;
 }
 
-/// How many standard deviations half of the deep part lies below the ground, at least. @param box where that part lies.
-double compute_sigmas(const cv::Mat1b& deep, const cv::Rect& box, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
+/// How many standard deviations half of the deep part lies below the ground, at least. All of one size.
+double compute_sigmas(const cv::Mat1b& deep, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
                       const GroundSurface& ground) {
   std::vector<double> sigmas;
-  for (int v = box.y; v < box.br().y; ++v) {
-    for (int u = box.x; u < box.br().x; ++u) {
+  for (int v = 0; v < deep.rows; ++v) {
+    for (int u = 0; u < deep.cols; ++u) {
       if (deep(v, u) == 0) continue;
       const double sd_m = ground.pose.height_m * ground.disparity_sd_px / disparity(v, u);
       sigmas.push_back(-elevation(v, u) / sd_m);
@@ -170,6 +150,14 @@ double compute_sigmas(const cv::Mat1b& deep, const cv::Rect& box, const cv::Mat1
   const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
   std::ranges::nth_element(sigmas, middle);
   return *middle;
+}
+
+/// Evenly spread pixels that are judged of a part of the picture, in picture coordinates.
+std::vector<cv::Point> choose_pixels(const cv::Mat1b& part, const cv::Point& origin) {
+  constexpr int kTarget = 400;
+  std::vector<cv::Point> pixels = spread_evenly(part, kTarget);
+  for (cv::Point& p : pixels) p += origin;
+  return pixels;
 }
 
 double compute_solid_angle_msr(int area_px, const StereoCamera& camera) {
@@ -302,10 +290,10 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
   const double ground_roughness_px = std::max(kLeastRoughnessPx, ground.roughness_px);
 
   std::vector<Candidate> candidates;
-  CommonMask deep_part(deep);
   for (const Region& region : find_regions(low, params.min_listed_area_px)) {
-    const cv::Mat1b& deep_here = deep_part.select(region);
-    const int deep_px = cv::countNonZero(deep_here(deep_part.box()));
+    const cv::Rect box = region.box & cv::Rect(cv::Point(0, 0), deep.size());
+    const cv::Mat1b deep_here(deep(box) & region.mask(box - region.box.tl()));
+    const int deep_px = cv::countNonZero(deep_here);
     if (deep_px < params.min_listed_area_px) continue;
     Candidate candidate = measure(frame, region, CandidateType::below_ground, disparity, ground);
     candidate.depth_m = compute_depth(region, elevation);
@@ -315,7 +303,7 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
     Measures& measures = candidate.measures;
     measures = measure_border(touching);
     measures.solid_angle_msr = compute_solid_angle_msr(region.area_px, frame.camera);
-    measures.sigmas = compute_sigmas(deep_here, deep_part.box(), disparity, elevation, ground);
+    measures.sigmas = compute_sigmas(deep_here, disparity(box), elevation(box), ground);
     if (params.min_slope_deg > 0.0) {
       const double slope_deg = compute_rim_slope_deg(region, deep, level, disparity, frame.camera, pose);
       measures.slope_deg = slope_deg;
@@ -326,11 +314,12 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
       measures.share_beyond = beyond;
       require(candidate, "beyond_rim", beyond <= params.max_share_beyond, beyond, params.max_share_beyond);
     }
+    const std::vector<cv::Point> pixels = choose_pixels(deep_here, box.tl());
     if (params.max_roughness > 0.0 || params.min_agreement > 0.0) {
-      measures.agreement = compute_agreement(frame, deep_here, disparity);
+      measures.agreement = compute_agreement(frame, pixels, disparity);
     }
     if (params.max_roughness > 0.0) {
-      const double roughness = compute_roughness_px(deep_here, disparity) / ground_roughness_px;
+      const double roughness = compute_roughness_px(deep_here, disparity(box)) / ground_roughness_px;
       measures.roughness = roughness;
       const double limit = params.max_roughness * allowance(measures.agreement);
       require(candidate, "rough", roughness <= limit, roughness, limit);
@@ -340,7 +329,7 @@ std::vector<Candidate> select_below_ground(const Frame& frame, const cv::Mat1f& 
       require(candidate, "disagree", agreement >= params.min_agreement, agreement, params.min_agreement);
     }
     if (params.min_ground_misfit > 0.0) {
-      const double misfit = compute_ground_misfit(frame, deep_here, disparity, elevation, pose);
+      const double misfit = compute_ground_misfit(frame, pixels, disparity, elevation, pose);
       measures.ground_misfit = misfit;
       require(candidate, "like_ground", misfit >= params.min_ground_misfit, misfit, params.min_ground_misfit);
     }

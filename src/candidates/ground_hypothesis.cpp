@@ -6,19 +6,14 @@
 #include <limits>
 #include <optional>
 
-#include <opencv2/imgproc.hpp>
-
-#include "evenly_spread.hpp"
-
 namespace brink {
 namespace {
 
 constexpr int kRadius = 3;  // px, half of the compared window
 constexpr int kWidth = 2 * kRadius + 1;
-constexpr double kApart = 1.0;      // px between the hypotheses, at least: nearer ones cannot be told apart
-constexpr double kSlack = 0.25;     // px that either hypothesis may be off
-constexpr double kContrast = 1.0;   // grey levels, standard deviation in a window, at least: less is noise
-constexpr int kTargetPixels = 400;  // of a region, evenly spread
+constexpr double kApart = 1.0;     // px between the hypotheses, at least: nearer ones cannot be told apart
+constexpr double kSlack = 0.25;    // px that either hypothesis may be off
+constexpr double kContrast = 1.0;  // grey levels, standard deviation in a window, at least: less is noise
 constexpr int kFewest = 20;
 
 /// Whether a window of the left picture has contrast: without it, it looks alike everywhere.
@@ -73,13 +68,13 @@ std::optional<double> compare_around(const Frame& frame, int u, int v, double di
 
 }  // namespace
 
-double compute_ground_misfit(const Frame& frame, const cv::Mat1b& deep, const cv::Mat1f& disparity, const cv::Mat1f& elevation,
-                             const GroundPose& pose) {
+double compute_ground_misfit(const Frame& frame, const std::vector<cv::Point>& pixels, const cv::Mat1f& disparity,
+                             const cv::Mat1f& elevation, const GroundPose& pose) {
   if (frame.right.empty()) return 1.0;
   int judged = 0;
   double own_sum = 0.0;
   double ground_sum = 0.0;
-  for (const cv::Point& p : spread_evenly(deep, kTargetPixels)) {
+  for (const cv::Point& p : pixels) {
     const double d = disparity(p);
     const double ground = d * (1.0 - elevation(p) / pose.height_m);  // e = h (1 - d_ground / d)
     if (ground - d < kApart || !has_contrast(frame.left, p.x, p.y)) continue;

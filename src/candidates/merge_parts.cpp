@@ -3,13 +3,16 @@
 #include <cstddef>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
 
 #include "brink/candidates.hpp"
+#include "candidates/grow.hpp"
 #include "candidates/region.hpp"
+#include "ground/level.hpp"
 
 namespace brink {
 namespace {
@@ -17,7 +20,8 @@ namespace {
 /// The pixels of a part and of what lies around it that is not ground.
 struct Reach {
   cv::Rect box;
-  cv::Mat1b mask;  ///< 255 = reached; of the box's size
+  int steps = 0;
+  cv::Mat1b mask;  ///< 255 = reached; of the box's size; empty until it is asked for
 };
 
 cv::Rect whole(const cv::Mat& picture) { return {cv::Point(0, 0), picture.size()}; }
@@ -30,25 +34,19 @@ int reach_px(const Candidate& part, const StereoCamera& camera, double gap_m) {
 
 cv::Rect widened(const cv::Rect& box, int by) { return {box.x - by, box.y - by, box.width + 2 * by, box.height + 2 * by}; }
 
-/// Grows a part through what is not ground: through a handrail, a person in front of it, the rest of the drop.
-Reach grow(const Candidate& part, const cv::Mat1b& passable, int steps) {
+Reach make_reach(const Candidate& part, const cv::Mat1b& passable, const StereoCamera& camera, double gap_m) {
   Reach reach;
-  reach.box = widened(cv::boundingRect(part.contour), steps) & whole(passable);
-  cv::Mat1b grown(reach.box.size(), uchar{0});
-  cv::fillPoly(grown, std::vector{part.contour}, cv::Scalar(255), cv::LINE_8, 0, -reach.box.tl());
-  const cv::Mat1b start = grown.clone();
-  cv::Mat1b wider;
-  for (int i = 0; i < steps; ++i) {
-    cv::dilate(grown, wider, cv::Mat());
-    grown = (wider & passable(reach.box)) | start;
-  }
-  reach.mask = grown;
+  reach.steps = reach_px(part, camera, gap_m);
+  reach.box = widened(cv::boundingRect(part.contour), reach.steps) & whole(passable);
   return reach;
 }
 
-bool meet(const Reach& a, const Reach& b) {
-  const cv::Rect common = a.box & b.box;
-  return !common.empty() && cv::countNonZero(a.mask(common - a.box.tl()) & b.mask(common - b.box.tl())) > 0;
+/// Grows a part through what is not ground: through a handrail, a person in front of it, the rest of the drop.
+void fill(Reach& reach, const Candidate& part, const cv::Mat1b& passable) {
+  if (!reach.mask.empty()) return;
+  cv::Mat1b start(reach.box.size(), uchar{0});
+  cv::fillPoly(start, std::vector{part.contour}, cv::Scalar(255), cv::LINE_8, 0, -reach.box.tl());
+  reach.mask = grow(start, passable(reach.box), reach.steps) == static_cast<uchar>(Growth::grown);
 }
 
 /// Which parts belong together: for each the first of its group.
@@ -58,10 +56,16 @@ std::vector<std::size_t> find_groups(const std::vector<Candidate>& parts, const 
   std::iota(group.begin(), group.end(), std::size_t{0});
   std::vector<Reach> reaches;
   reaches.reserve(parts.size());
-  for (const Candidate& part : parts) reaches.push_back(grow(part, passable, reach_px(part, camera, gap_m)));
+  for (const Candidate& part : parts) reaches.push_back(make_reach(part, passable, camera, gap_m));
   for (std::size_t i = 0; i < parts.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      if (group[i] == group[j] || !meet(reaches[i], reaches[j])) continue;
+      Reach& a = reaches[i];
+      Reach& b = reaches[j];
+      const cv::Rect common = a.box & b.box;
+      if (group[i] == group[j] || common.empty()) continue;
+      fill(a, parts[i], passable);
+      fill(b, parts[j], passable);
+      if (cv::countNonZero(a.mask(common - a.box.tl()) & b.mask(common - b.box.tl())) == 0) continue;
       const auto [first, later] = std::minmax(group[i], group[j]);
       std::ranges::replace(group, later, first);
     }
@@ -69,17 +73,34 @@ std::vector<std::size_t> find_groups(const std::vector<Candidate>& parts, const 
   return group;
 }
 
-/// The shortest line between two outlines.
+/// Square of the distance to a rectangle around points; 0 inside.
+int distance2(const cv::Point& p, const cv::Rect& box) {
+  const int across = std::max({box.x - p.x, p.x - (box.br().x - 1), 0});
+  const int down = std::max({box.y - p.y, p.y - (box.br().y - 1), 0});
+  return across * across + down * down;
+}
+
+/// The shortest line between two outlines; of equally short ones the first. Pieces that are farther away are not looked at.
 std::pair<cv::Point, cv::Point> find_bridge(const std::vector<cv::Point>& from, const std::vector<cv::Point>& to) {
+  constexpr std::size_t kPiece = 64;
+  std::vector<std::span<const cv::Point>> pieces;
+  std::vector<cv::Rect> boxes;
+  for (std::size_t begin = 0; begin < to.size(); begin += kPiece) {
+    pieces.emplace_back(to.data() + begin, std::min(kPiece, to.size() - begin));
+    boxes.push_back(cv::boundingRect(std::vector(pieces.back().begin(), pieces.back().end())));
+  }
   std::pair<cv::Point, cv::Point> bridge;
   int least = std::numeric_limits<int>::max();
   for (const cv::Point& p : from) {
-    for (const cv::Point& q : to) {
-      const cv::Point gap = p - q;
-      const int length = gap.dot(gap);
-      if (length < least) {
-        least = length;
-        bridge = {p, q};
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      if (distance2(p, boxes[i]) >= least) continue;
+      for (const cv::Point& q : pieces[i]) {
+        const cv::Point gap = p - q;
+        const int length = gap.dot(gap);
+        if (length < least) {
+          least = length;
+          bridge = {p, q};
+        }
       }
     }
   }
@@ -136,9 +157,7 @@ std::vector<Candidate> merge_parts(std::vector<Candidate> candidates, const cv::
                                    const StereoCamera& camera, const CandidateParams& params) {
   params.validate();
   if (params.merge_gap_m <= 0.0 || candidates.size() < 2) return candidates;
-  // NaN compares false both ways: where nothing is known a part may go on.
-  const cv::Mat1b level((elevation < params.ground_tolerance_m) & (elevation > -params.ground_tolerance_m));
-  const cv::Mat1b passable(~level);
+  const cv::Mat1b passable(~select_level(elevation, params.ground_tolerance_m));  // where nothing is known, too
   const std::vector<std::size_t> group = find_groups(candidates, passable, camera, params.merge_gap_m);
   std::vector<Candidate> merged;
   std::vector<std::size_t> place(candidates.size());

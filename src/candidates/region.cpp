@@ -1,56 +1,110 @@
 #include "candidates/region.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
+
+#include "candidates/grow.hpp"
+#include "scan.hpp"
 
 namespace brink {
 namespace {
 
-/// @param labels of the part of the picture that begins at `origin`, and so for `tight`.
-Region cut_out(const cv::Mat1i& labels, int label, const cv::Rect& tight, int area_px, cv::Point origin, cv::Size picture) {
-  Region region;
-  region.box = cv::Rect(tight.x - 1, tight.y - 1, tight.width + 2, tight.height + 2) + origin;
-  region.area_px = area_px;
-  const cv::Mat1b inside(labels(tight) == label);
-  cv::copyMakeBorder(inside, region.mask, 1, 1, 1, 1, cv::BORDER_CONSTANT | cv::BORDER_ISOLATED, cv::Scalar(0));
-  cv::Mat1b dilated;
-  cv::dilate(region.mask, dilated, cv::Mat(), cv::Point(-1, -1), 1, cv::BORDER_CONSTANT | cv::BORDER_ISOLATED, cv::Scalar(0));
-  const cv::Rect in_picture = region.box & cv::Rect(cv::Point(0, 0), picture);
-  const cv::Rect in_cut = in_picture - region.box.tl();
-  region.dilated = cv::Mat1b::zeros(dilated.size());
-  dilated(in_cut).copyTo(region.dilated(in_cut));
-  return region;
+/// Set pixels side by side in a row: the columns [begin, end).
+struct Run {
+  int row;
+  int begin;
+  int end;
+  std::size_t first;  ///< an earlier run of the same region, at last its first one; the first one tells itself
+};
+
+std::size_t find_first(std::vector<Run>& runs, std::size_t run) {
+  while (runs[run].first != run) run = runs[run].first = runs[runs[run].first].first;
+  return run;
 }
 
-/// Column of the first pixel in the first row of a region.
-int first_column(const Region& region) {
-  const uchar* row = region.mask[1];
-  return region.box.x + static_cast<int>(std::find(row, row + region.mask.cols, 255) - row);
+void connect(std::vector<Run>& runs, std::size_t a, std::size_t b) {
+  a = find_first(runs, a);
+  b = find_first(runs, b);
+  runs[std::max(a, b)].first = std::min(a, b);
+}
+
+/// All runs of a mask row by row, connected with those that they touch in the row above.
+std::vector<Run> find_runs(const cv::Mat1b& mask) {
+  std::vector<Run> runs;
+  std::size_t above_first = 0;  // the runs of the row above are those from here to row_first
+  for (int v = 0; v < mask.rows; ++v) {
+    const uchar* const row = mask[v];
+    const uchar* const row_end = row + mask.cols;
+    const std::size_t row_first = runs.size();
+    std::size_t above = above_first;
+    for (const uchar* begin = find_set(row, row_end); begin != row_end;) {
+      const uchar* const end = find_value(begin, row_end, 0);
+      const Run run{v, static_cast<int>(begin - row), static_cast<int>(end - row), runs.size()};
+      runs.push_back(run);
+      while (above < row_first && runs[above].end < run.begin) ++above;
+      for (std::size_t i = above; i < row_first && runs[i].begin <= run.end; ++i) connect(runs, i, run.first);
+      begin = find_set(end, row_end);
+    }
+    above_first = row_first;
+  }
+  return runs;
+}
+
+/// What belongs to one first run.
+struct Extent {
+  int area_px = 0;
+  int left = std::numeric_limits<int>::max();
+  int right = 0;  ///< the column after the last one
+  int bottom = 0;
+  std::size_t region = 0;  ///< its place in the result, from 1 on; 0 = too small
+};
+
+/// Sets a run in the region's masks.
+void draw(const Run& run, const cv::Size& picture, Region& region) {
+  const cv::Point origin = region.box.tl();
+  uchar* const row = region.mask[run.row - origin.y];
+  std::fill(row + run.begin - origin.x, row + run.end - origin.x, uchar{255});
+  const int left = std::max(run.begin - 1, 0) - origin.x;
+  const int right = std::min(run.end + 1, picture.width) - origin.x;
+  for (int v = std::max(run.row - 1, 0); v <= std::min(run.row + 1, picture.height - 1); ++v) {
+    uchar* const wider = region.dilated[v - origin.y];
+    std::fill(wider + left, wider + right, uchar{255});
+  }
 }
 
 }  // namespace
 
+// A region's first run comes before those of later regions, so that their order is that of their first pixels.
 std::vector<Region> find_regions(const cv::Mat1b& mask, int min_area_px) {
-  if (mask.empty()) return {};
-  const cv::Rect part = cv::boundingRect(mask);
-  if (part.empty()) return {};
-  cv::Mat1i labels;
-  cv::Mat1i stats;
-  cv::Mat1d centroids;
-  const int count = cv::connectedComponentsWithStats(mask(part), labels, stats, centroids, 8, CV_32S);
-  std::vector<Region> regions;
-  for (int label = 1; label < count; ++label) {
-    const int area = stats(label, cv::CC_STAT_AREA);
-    if (area < min_area_px) continue;
-    const cv::Rect tight(stats(label, cv::CC_STAT_LEFT), stats(label, cv::CC_STAT_TOP), stats(label, cv::CC_STAT_WIDTH),
-                         stats(label, cv::CC_STAT_HEIGHT));
-    regions.push_back(cut_out(labels, label, tight, area, part.tl(), mask.size()));
+  std::vector<Run> runs = find_runs(mask);
+  std::vector<Extent> extents(runs.size());
+  for (Run& run : runs) {
+    run.first = runs[run.first].first;  // of an earlier run, which knows by now
+    Extent& extent = extents[run.first];
+    extent.area_px += run.end - run.begin;
+    extent.left = std::min(extent.left, run.begin);
+    extent.right = std::max(extent.right, run.end);
+    extent.bottom = run.row + 1;
   }
-  // OpenCV numbers regions by blocks of pixels; ours is an order that a person can foretell.
-  std::ranges::sort(regions, [](const Region& x, const Region& y) {
-    return x.box.y != y.box.y ? x.box.y < y.box.y : first_column(x) < first_column(y);
-  });
+  std::vector<Region> regions;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    Extent& extent = extents[i];
+    if (extent.area_px == 0 || extent.area_px < min_area_px) continue;
+    Region region;
+    region.box = {extent.left - 1, runs[i].row - 1, extent.right - extent.left + 2, extent.bottom - runs[i].row + 2};
+    region.mask = cv::Mat1b(region.box.size(), uchar{0});
+    region.dilated = cv::Mat1b(region.box.size(), uchar{0});
+    region.area_px = extent.area_px;
+    regions.push_back(std::move(region));
+    extent.region = regions.size();
+  }
+  for (const Run& run : runs) {
+    if (const std::size_t region = extents[run.first].region; region > 0) draw(run, mask.size(), regions[region - 1]);
+  }
   return regions;
 }
 
@@ -62,23 +116,20 @@ std::vector<cv::Point> trace_contour(const cv::Mat1b& mask, const cv::Rect& box)
 }
 
 std::vector<cv::Point> ring_pixels(const Region& region, const cv::Mat1b& passable, int gap_px) {
-  const cv::Rect in_picture = region.box & cv::Rect(cv::Point(0, 0), passable.size());
-  const cv::Rect around =
-      cv::Rect(region.box.tl() - cv::Point(gap_px, gap_px), region.box.size() + cv::Size(2 * gap_px, 2 * gap_px)) &
-      cv::Rect(cv::Point(0, 0), passable.size());
-  cv::Mat1b grown(around.size(), uchar{0});
-  region.mask(in_picture - region.box.tl()).copyTo(grown(in_picture - around.tl()));
-  const cv::Mat1b start = grown.clone();
-  cv::Mat1b wider;
-  for (int i = 0; i < gap_px; ++i) {
-    cv::dilate(grown, wider, cv::Mat());
-    grown = (wider & passable(around)) | start;
-  }
-  cv::dilate(grown, wider, cv::Mat());
+  const cv::Rect picture(cv::Point(0, 0), passable.size());
+  const cv::Rect in_picture = region.box & picture;
+  const cv::Rect around(region.box.tl() - cv::Point(gap_px, gap_px), region.box.br() + cv::Point(gap_px, gap_px));
+  const cv::Rect visible = around & picture;
+  cv::Mat1b start(visible.size(), uchar{0});
+  region.mask(in_picture - region.box.tl()).copyTo(start(in_picture - visible.tl()));
+  const cv::Mat1b growth = grow(start, passable(visible), gap_px);
+  constexpr auto kRing = static_cast<uchar>(Growth::ring);
   std::vector<cv::Point> pixels;
-  for (int v = 0; v < around.height; ++v) {
-    for (int u = 0; u < around.width; ++u) {
-      if (wider(v, u) != 0 && grown(v, u) == 0) pixels.emplace_back(around.x + u, around.y + v);
+  for (int v = 0; v < visible.height; ++v) {
+    const uchar* const row = growth[v];
+    const uchar* const end = row + visible.width;
+    for (const uchar* place = find_value(row, end, kRing); place != end; place = find_value(place + 1, end, kRing)) {
+      pixels.emplace_back(visible.x + static_cast<int>(place - row), visible.y + v);
     }
   }
   return pixels;

@@ -19,7 +19,7 @@ struct LinearObservation {
 /// others, of which only the lower triangle is told.
 using EquationSums = std::array<std::array<double, kEquationColumns>, kEquationColumns>;
 
-/// Equal to the plain twin in tests/reference/normal_equations.hpp for every target.
+/// Equal to the plain twin in tests/reference/motion_equations.hpp for every target.
 /// @return the sums with those of `count` more observations.
 EquationSums add_observations(const LinearObservation* observations, std::size_t count, const EquationSums& sums);
 

@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <functional>
+#include <mutex>
 #include <numbers>
 #include <random>
 #include <stdexcept>
@@ -11,6 +14,8 @@
 #include <tbb/parallel_for.h>
 
 #include "brink/ground.hpp"
+#include "ground/normal_equations_simd.hpp"
+#include "ground/range.hpp"
 #include "ground/v_disparity.hpp"
 
 namespace brink {
@@ -56,11 +61,36 @@ class Plausibility {
 
 double tolerance_at(double d, const GroundParams& params) { return std::max(params.tolerance_px, params.tolerance_ratio * d); }
 
-/// Lines through two random samples of one sheared v-disparity histogram; the best one as a plane.
-std::optional<Hypothesis> search_line(const std::vector<DisparitySample>& samples, double roll_deg, const cv::Size& size,
-                                      double cx, const Plausibility& plausible, const GroundParams& params) {
+/// The scores of the best lines of all roll angles so far: what cannot be among the best of these in the end need not be
+/// counted out. Whatever the order in which they come, the same lines remain.
+class Leaders {
+ public:
+  explicit Leaders(std::size_t rolls) : scores_(rolls, 0.0) {}
+
+  /// A line that scores less is not among the best kRefined.
+  [[nodiscard]] double least() const { return least_; }
+  void note(std::size_t roll, double score) {
+    const std::lock_guard lock(mutex_);
+    scores_[roll] = score;
+    if (scores_.size() < kRefined) return;
+    std::array<double, kRefined> leading{};
+    std::ranges::partial_sort_copy(scores_, leading, std::greater<>());
+    least_ = leading.back();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<double> scores_;
+  std::atomic<double> least_ = 0.0;
+};
+
+/// Lines through two random samples of one sheared v-disparity histogram; the best one as a plane, if it may be a leader.
+std::optional<Hypothesis> search_line(const BinnedSamples& binned, double roll_deg, const cv::Size& size, double cx,
+                                      const Plausibility& plausible, const GroundParams& params, std::size_t roll,
+                                      Leaders& leaders) {
   const double tan_roll = std::tan(roll_deg / kDegPerRad);
-  const VDisparity histogram(samples, tan_roll, size.height);
+  const std::vector<DisparitySample>& samples = binned.samples();
+  VDisparity histogram(binned, tan_roll, size.height);
   std::mt19937 random(static_cast<std::mt19937::result_type>(params.seed));
   // Not std::uniform_int_distribution: its sequence differs between standard libraries.
   const auto draw = [&] { return samples[random() % samples.size()]; };
@@ -75,19 +105,26 @@ std::optional<Hypothesis> search_line(const std::vector<DisparitySample>& sample
     const double offset = first.d - slope * v1;
     const GroundPlane plane{slope * tan_roll, slope, offset - slope * tan_roll * cx};
     if (!plausible(plane)) continue;
-    const double score = histogram.support(slope, offset, params.tolerance_ratio, params.tolerance_px);
-    if (!best || score > best->score) best = Hypothesis{plane, score};
+    const double least = std::max(leaders.least(), best ? best->score : 0.0);
+    const auto score = histogram.support(slope, offset, params.tolerance_ratio, params.tolerance_px, least);
+    if (!score || (best && *score <= best->score)) continue;
+    best = Hypothesis{plane, *score};
+    leaders.note(roll, *score);
   }
   return best;
 }
 
-/// The best line of every roll angle, best first.
-std::vector<Hypothesis> search_lines(const std::vector<DisparitySample>& samples, const cv::Size& size, double cx,
+/// The best lines of the roll angles, best first; those that are not among the first kRefined may be missing.
+std::vector<Hypothesis> search_lines(const BinnedSamples& samples, const cv::Size& size, double cx,
                                      const Plausibility& plausible, const GroundParams& params) {
-  const int steps = static_cast<int>(std::ceil(params.max_roll_deg / kRollStepDeg));
-  std::vector<std::optional<Hypothesis>> lines(2 * static_cast<std::size_t>(steps) + 1);
+  const auto steps = static_cast<std::size_t>(std::ceil(params.max_roll_deg / kRollStepDeg));
+  std::vector<std::optional<Hypothesis>> lines(2 * steps + 1);
+  Leaders leaders(lines.size());
+  // From the upright camera outwards: most likely the best come first.
   tbb::parallel_for(std::size_t{0}, lines.size(), [&](std::size_t i) {
-    lines[i] = search_line(samples, (static_cast<int>(i) - steps) * kRollStepDeg, size, cx, plausible, params);
+    const std::size_t roll = i % 2 == 0 ? steps + i / 2 : steps - (i + 1) / 2;
+    const double roll_deg = (static_cast<double>(roll) - static_cast<double>(steps)) * kRollStepDeg;
+    lines[roll] = search_line(samples, roll_deg, size, cx, plausible, params, roll, leaders);
   });
   std::vector<Hypothesis> found;
   for (const std::optional<Hypothesis>& line : lines) {
@@ -102,21 +139,8 @@ std::vector<Hypothesis> search_lines(const std::vector<DisparitySample>& samples
 GroundPlane refine_plane(const std::vector<DisparitySample>& samples, GroundPlane plane, double cx, int steps, double widen,
                          const GroundParams& params) {
   for (int i = 0; i < steps; ++i, widen = std::max(1.0, widen - 0.5)) {
-    std::array<double, 9> sums{};  // of w u u, w u v, w u, w v v, w v, w, w d u, w d v, w d
-    for (const DisparitySample& s : samples) {
-      const double expected = plane.disparity(s.u + cx, s.v);
-      const double error = s.d - expected;
-      const double band = widen * tolerance_at(s.d, params);
-      if (expected <= 0.0 || std::abs(error) >= band) continue;
-      const double residual = error / band;
-      const double root = 1.0 - residual * residual;
-      const double w = root * root;
-      const double wu = w * s.u;
-      const double wv = w * s.v;
-      const double wd = w * s.d;
-      const std::array<double, 9> terms = {wu * s.u, wu * s.v, wu, wv * s.v, wv, w, wd * s.u, wd * s.v, wd};
-      for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += terms[k];
-    }
+    const SampleBand band{params.tolerance_ratio, params.tolerance_px, widen};
+    const NormalEquations sums = add_up_normal_equations(samples, cx, plane, band);
     Eigen::Matrix3d normal;
     normal << sums[0], sums[1], sums[2], sums[1], sums[3], sums[4], sums[2], sums[4], sums[5];
     const Eigen::Vector3d right_side(sums[6], sums[7], sums[8]);
@@ -152,11 +176,18 @@ void assess(GroundEstimate& estimate, const cv::Mat1f& disparity, const StereoCa
   std::size_t expected_count = 0;
   std::size_t valid_count = 0;
   std::vector<float> residuals;
-  for (int v = step / 2; v < disparity.rows; v += step) {
-    for (int u = step / 2; u < disparity.cols; u += step) {
-      const auto point = estimate.pose.intersect(u, v, camera);
-      if (!point || estimate.pose.distance(*point) > params.max_range_m) continue;
-      ++expected_count;
+  residuals.reserve(static_cast<std::size_t>(disparity.rows / step + 1) * static_cast<std::size_t>(disparity.cols / step + 1));
+  const int first = step / 2;
+  const int columns = (disparity.cols - first + step - 1) / step;
+  const GroundRange range(estimate.pose, camera, params.max_range_m);
+  for (int v = first; v < disparity.rows; v += step) {
+    const Span in_range = find_span(columns, (range.peak(v) - first) / step, [&](int column) {
+      const auto point = estimate.pose.intersect(first + column * step, v, camera);
+      return point && estimate.pose.distance(*point) <= params.max_range_m;
+    });
+    expected_count += static_cast<std::size_t>(in_range.end - in_range.begin);
+    for (int column = in_range.begin; column < in_range.end; ++column) {
+      const int u = first + column * step;
       const float d = disparity(v, u);
       if (d <= 0.0F) continue;
       ++valid_count;
@@ -246,8 +277,9 @@ GroundEstimate estimate_ground(const cv::Mat1f& disparity, const StereoCamera& c
   }
 
   const Plausibility plausible(camera, params, gravity);
-  const std::vector<DisparitySample> some = take_every(samples, kCoarseShare);
-  std::vector<Hypothesis> hypotheses = search_lines(some, disparity.size(), camera.cx, plausible, params);
+  const BinnedSamples binned(take_every(samples, kCoarseShare));
+  const std::vector<DisparitySample>& some = binned.samples();
+  std::vector<Hypothesis> hypotheses = search_lines(binned, disparity.size(), camera.cx, plausible, params);
   hypotheses.resize(std::min(hypotheses.size(), kRefined));
   if (previous) hypotheses.push_back({*previous, 0.0});
 

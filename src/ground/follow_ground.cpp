@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <queue>
 #include <span>
 #include <vector>
@@ -9,7 +11,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "brink/ground.hpp"
-#include "grouping.hpp"
+#include "ground/cells_simd.hpp"
+#include "select_nth.hpp"
 
 namespace brink {
 namespace {
@@ -23,16 +26,11 @@ constexpr double kFromTheStart = 0.65;  // share of its height that a kerb has w
 constexpr double kAgreement = 0.04;     // m: this near to the plane a surface is on it
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-/// The ground seen from above in square cells: x along GroundPose::right, y along GroundPose::forward, m.
+/// The ground seen from above, each point a cell.
 struct Grid {
   double cell_m = 0.0;
-  double left_m = 0.0;  ///< x of the first column's edge; rows begin at y = 0
   cv::Size size;
 
-  /// Column and row of a point; cells' middles are whole numbers.
-  [[nodiscard]] cv::Point2d place(const Eigen::Vector3d& point, const GroundPose& pose) const {
-    return {(pose.right.dot(point) - left_m) / cell_m - 0.5, pose.forward.dot(point) / cell_m - 0.5};
-  }
   [[nodiscard]] bool contains(const cv::Point& cell) const { return cv::Rect(cv::Point(0, 0), size).contains(cell); }
 };
 
@@ -48,48 +46,64 @@ Grid make_grid(const GroundParams& params) {
   grid.cell_m = params.follow_cell_m;
   const int across = static_cast<int>(std::ceil(params.max_range_m / grid.cell_m));
   grid.size = {2 * across, across};
-  grid.left_m = -across * grid.cell_m;
   return grid;
 }
 
+/// An elevation in a cell.
+struct Height {
+  int cell;
+  float elevation_m;
+};
+
 Cells collect(const cv::Mat1f& disparity, const Grid& grid, const GroundSurface& flat, const StereoCamera& camera, int step) {
-  const GroundPose& pose = flat.pose;
-  struct Height {
-    std::size_t cell;
-    float elevation_m;
-  };
+  const CellGrid places{grid.cell_m, -grid.size.height * grid.cell_m, grid.size.width, grid.size.height};
+  const int first = step / 2;
+  const int count = std::max(0, (disparity.cols - first + step - 1) / step);
+  std::vector<float> sampled(static_cast<std::size_t>(count));
+  std::vector<int> cell_of(static_cast<std::size_t>(count));
+  std::vector<float> elevation_m(static_cast<std::size_t>(count));
   std::vector<Height> heights;
-  const auto index = [&grid](int row, int column) {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.size.width) + static_cast<std::size_t>(column);
-  };
-  Cells cells{cv::Mat1f(grid.size, kUnknown), cv::Mat1f(grid.size, 0.0F), cv::Mat1f(grid.size, 0.0F)};
-  for (int v = step / 2; v < disparity.rows; v += step) {
-    for (int u = step / 2; u < disparity.cols; u += step) {
-      const double d = disparity(v, u);
-      if (!(d > 0.0)) continue;
-      const Eigen::Vector3d point = camera.triangulate(u, v, d);
-      const double elevation = pose.elevation(point);
-      if (!(std::abs(elevation) < kHighest)) continue;
-      const cv::Point2d place = grid.place(point, pose);
-      const cv::Point cell(cvRound(place.x), cvRound(place.y));
-      if (!grid.contains(cell)) continue;
-      heights.push_back({index(cell.y, cell.x), static_cast<float>(elevation)});
-      cells.noise(cell) = static_cast<float>(kSigmas * flat.disparity_sd_px * pose.height_m / d);
+  heights.reserve(cell_of.size() * static_cast<std::size_t>(disparity.rows / step + 1));
+  cv::Mat1f last_disparity(grid.size, 0.0F);
+  std::vector<std::size_t> ends(static_cast<std::size_t>(grid.size.area()) + 1, 0);  // counts of the cells before, at first
+  for (int v = first; v < disparity.rows; v += step) {
+    const float* const row = disparity[v] + first;
+    for (std::size_t i = 0; i < sampled.size(); ++i) sampled[i] = row[i * static_cast<std::size_t>(step)];
+    place_in_cells({sampled.data(), v, first, step, count}, camera, flat.pose, places, kHighest, cell_of.data(),
+                   elevation_m.data());
+    for (std::size_t i = 0; i < cell_of.size(); ++i) {
+      if (cell_of[i] < 0) continue;
+      const auto cell = static_cast<std::size_t>(cell_of[i]);
+      heights.push_back({cell_of[i], elevation_m[i]});
+      ++ends[cell + 1];
+      last_disparity.ptr<float>()[cell] = sampled[i];
     }
   }
-  const auto [begins, order] =
-      group_items(heights, static_cast<std::size_t>(grid.size.area()), [](const Height& height) { return height.cell; });
-  std::vector<float> sorted;
-  sorted.reserve(order.size());
-  for (const std::size_t i : order) sorted.push_back(heights[i].elevation_m);
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  std::vector<float> grouped(heights.size());
+  for (const Height& height : heights) grouped[ends[static_cast<std::size_t>(height.cell)]++] = height.elevation_m;
+
+  Cells cells{cv::Mat1f(grid.size, kUnknown), cv::Mat1f(grid.size, 0.0F), cv::Mat1f(grid.size, 0.0F)};
+  std::size_t begin = 0;
   for (int row = 0; row < grid.size.height; ++row) {
     for (int column = 0; column < grid.size.width; ++column) {
-      const std::size_t cell = index(row, column);
-      const std::span<float> all(sorted.data() + begins[cell], begins[cell + 1] - begins[cell]);
+      const int cell = row * grid.size.width + column;
+      const std::size_t end = ends[static_cast<std::size_t>(cell)];
+      const std::span<float> all(grouped.data() + begin, end - begin);
+      begin = end;
+      if (const double d = last_disparity(row, column); d > 0.0) {
+        cells.noise(row, column) = static_cast<float>(kSigmas * flat.disparity_sd_px * flat.pose.height_m / d);
+      }
       if (all.size() < kLeastPoints) continue;
-      std::ranges::sort(all);
-      cells.height(row, column) = all[all.size() / 2];
-      cells.spread(row, column) = all[all.size() * 4 / 5] - all[all.size() / 5];
+      float* const middle = all.data() + all.size() / 2;
+      float* const low = all.data() + all.size() / 5;
+      float* const high = all.data() + all.size() * 4 / 5;
+      float* const last = all.data() + all.size();
+      select_nth(all.data(), middle, last);
+      select_nth(all.data(), low, middle);
+      select_nth(middle + 1, high, last);
+      cells.height(row, column) = *middle;
+      cells.spread(row, column) = *high - *low;
     }
   }
   return cells;

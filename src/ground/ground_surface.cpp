@@ -1,11 +1,16 @@
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <stdexcept>
+#include <vector>
 
 #include <opencv2/core.hpp>
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include "brink/ground.hpp"
+#include "ground/elevation_simd.hpp"
+#include "ground/level.hpp"
 #include "ground/roughness.hpp"
 
 namespace brink {
@@ -22,6 +27,22 @@ double sample(const cv::Mat1f& cells, double column, double row) {
   const double upper = (1.0 - (x - left)) * cells(top, left) + (x - left) * cells(top, right);
   const double lower = (1.0 - (x - left)) * cells(bottom, left) + (x - left) * cells(bottom, right);
   return (1.0 - (y - top)) * upper + (y - top) * lower;
+}
+
+/// What lies within a tolerance of a plane, 255 = so.
+cv::Mat1b select_plane(const cv::Mat1f& disparity, const GroundPlane& plane, const StereoCamera& camera, float tolerance_m) {
+  const auto height = static_cast<float>(compute_ground_pose(plane, camera).height_m);
+  const auto step = static_cast<float>(plane.a);
+  cv::Mat1b on_plane(disparity.size());
+  tbb::parallel_for(tbb::blocked_range<int>(0, disparity.rows), [&](const tbb::blocked_range<int>& rows) {
+    std::vector<float> elevation(static_cast<std::size_t>(disparity.cols));
+    for (int v = rows.begin(); v < rows.end(); ++v) {
+      const auto first = static_cast<float>(plane.disparity(0.0, v));
+      compute_elevation_row(disparity[v], disparity.cols, height, first, step, elevation.data());
+      select_level_row(elevation.data(), disparity.cols, tolerance_m, on_plane[v]);
+    }
+  });
+  return on_plane;
 }
 
 }  // namespace
@@ -50,13 +71,13 @@ std::optional<Eigen::Vector3d> GroundSurface::intersect(double u, double v, cons
 }
 
 GroundSurface make_flat_surface(const GroundEstimate& ground, const cv::Mat1f& disparity, const StereoCamera& camera) {
-  constexpr double kOnPlane = 0.1;          // m
+  constexpr float kOnPlane = 0.1F;          // m
   constexpr double kLeastRoughness = 0.03;  // px; given disparities may have none
   if (!ground.plane) throw std::invalid_argument("ground has no plane");
   GroundSurface surface;
   surface.plane = *ground.plane;
   surface.pose = ground.pose;
-  const cv::Mat1b on_plane(cv::abs(compute_elevation(disparity, *ground.plane, camera)) < kOnPlane);
+  const cv::Mat1b on_plane = select_plane(disparity, *ground.plane, camera, kOnPlane);
   surface.roughness_px = std::max(kLeastRoughness, compute_roughness_px(on_plane, disparity));
   const double noise_px = kNoiseOverRoughness * surface.roughness_px;
   surface.disparity_sd_px = std::clamp(ground.residual_px, noise_px, 2.0 * noise_px);

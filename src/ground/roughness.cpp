@@ -21,22 +21,33 @@ constexpr int kTargetWindows = 400;  // in a region, evenly spread
 std::optional<double> scatter(const cv::Mat1b& deep, const cv::Mat1f& disparity, const cv::Point& middle) {
   const cv::Rect window =
       cv::Rect(middle.x - kRadius, middle.y - kRadius, 2 * kRadius + 1, 2 * kRadius + 1) & cv::Rect(cv::Point(), deep.size());
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  int xx = 0;
+  int xy = 0;
+  int yy = 0;
+  int sum_x = 0;
+  int sum_y = 0;
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   double squares = 0.0;
   int count = 0;
   for (int v = window.y; v < window.br().y; ++v) {
     for (int u = window.x; u < window.br().x; ++u) {
       if (deep(v, u) == 0) continue;
-      const Eigen::Vector3d row(u - middle.x, v - middle.y, 1.0);
+      const int x = u - middle.x;
+      const int y = v - middle.y;
       const double d = disparity(v, u) - disparity(middle);
-      normal += row * row.transpose();
-      right += row * d;
+      xx += x * x;
+      xy += x * y;
+      yy += y * y;
+      sum_x += x;
+      sum_y += y;
+      right += Eigen::Vector3d(x, y, 1.0) * d;
       squares += d * d;
       ++count;
     }
   }
   if (count < kFewest) return std::nullopt;
+  Eigen::Matrix3d normal;
+  normal << xx, xy, sum_x, xy, yy, sum_y, sum_x, sum_y, count;
   return std::sqrt(std::max(0.0, squares - right.dot(normal.ldlt().solve(right))) / count);
 }
 

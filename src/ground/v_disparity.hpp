@@ -1,7 +1,7 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
-#include <random>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -20,24 +20,42 @@ struct DisparitySample {
 /// Every step-th valid pixel in each direction with a disparity of at least min_disparity, row by row.
 std::vector<DisparitySample> sample_disparities(const cv::Mat1f& disparity, double cx, double min_disparity, int step);
 
+/// Samples as the histograms of all roll angles need them.
+class BinnedSamples {
+ public:
+  /// @param samples u from the principal point, row by row.
+  explicit BinnedSamples(std::vector<DisparitySample> samples);
+
+  [[nodiscard]] const std::vector<DisparitySample>& samples() const { return samples_; }
+
+ private:
+  friend class VDisparity;
+  std::vector<DisparitySample> samples_;
+  std::vector<int> bins_;              ///< of their disparities
+  std::vector<DisparitySample> ends_;  ///< the first and the last one of each row
+  int bin_count_ = 1;
+};
+
 /// v-disparity histogram (Labayrade et al. 2002) of a picture turned back by a roll angle: the ground, a plane in disparity
 /// space with slopes a / b = tan(roll), becomes the straight line d = b v' + c' over the sheared row v' = v + tan(roll) u.
 class VDisparity {
  public:
-  /// @param samples u from the principal point. @param height rows of the picture, px.
-  VDisparity(const std::vector<DisparitySample>& samples, double tan_roll, int height);
+  /// @param height rows of the picture, px.
+  VDisparity(const BinnedSamples& samples, double tan_roll, int height);
 
   /// Sum over the sheared rows of the samples within +-tolerance of a line, each row weighted by weight(v').
   /// @param relative_tolerance share of the disparity. @param tolerance_px never less than this.
-  [[nodiscard]] double support(double slope, double offset, double relative_tolerance, double tolerance_px) const;
+  /// @param least empty when the sum is less than this.
+  [[nodiscard]] std::optional<double> support(double slope, double offset, double relative_tolerance, double tolerance_px,
+                                              double least);
 
  private:
-  [[nodiscard]] int count_between(int row, double low, double high) const;
-
-  double first_row_ = 0.0;  ///< v' of the upper edge of row 0
-  int bins_ = 0;            ///< disparity bins per row
-  cv::Mat1i cumulative_;    ///< per row: number of samples in all bins before this one; bins_ + 1 columns
+  int bins_ = 0;                 ///< of disparity
+  std::vector<int> cumulative_;  ///< CumulativeCounts
+  std::vector<double> row_v_;    ///< v' in the middle of a row
   std::vector<double> row_weight_;
+  double weight_ = 0.0;           ///< of all samples
+  std::vector<int> band_counts_;  ///< of the last line
 };
 
 /// Weight of a picture row as evidence of the ground: of two parallel surfaces (platform and track bed) the ground is the one

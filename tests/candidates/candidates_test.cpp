@@ -422,11 +422,11 @@ TEST(Agreement, IsTheCorrelationThatAQuarterDoesNotReach) {
   cv::RNG(9).fill(texture, cv::RNG::UNIFORM, 0, 255);
   const cv::Mat1f disparity(size, 12.0F);
   const Frame frame = make_frame(texture, warp_to_right(texture, disparity), test::half_size_camera());
-  cv::Mat1b deep(size, uchar{0});
-  deep(cv::Rect(300, 200, 60, 40)) = 255;
-  EXPECT_NEAR(compute_agreement(frame, deep, disparity), 1.0, 1e-6);
-  EXPECT_LT(compute_agreement(frame, deep, cv::Mat1f(size, 17.0F)), 0.1);
-  EXPECT_EQ(compute_agreement(make_frame(cv::Mat1b(size, 90), texture, test::half_size_camera()), deep, disparity), 1.0);
+  std::vector<cv::Point> pixels;
+  for (int i = 0; i < 600; ++i) pixels.emplace_back(300 + 2 * (i % 30), 200 + 2 * (i / 30));
+  EXPECT_NEAR(compute_agreement(frame, pixels, disparity), 1.0, 1e-6);
+  EXPECT_LT(compute_agreement(frame, pixels, cv::Mat1f(size, 17.0F)), 0.1);
+  EXPECT_EQ(compute_agreement(make_frame(cv::Mat1b(size, 90), texture, test::half_size_camera()), pixels, disparity), 1.0);
 }
 
 TEST_F(Candidates, GreyPicturesUseTheMeanGrey) {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "reference/normal_equations.hpp"
+#include "reference/motion_equations.hpp"
 #include "simd_targets.hpp"
 
 namespace brink {

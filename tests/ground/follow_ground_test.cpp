@@ -10,6 +10,10 @@
 
 #include "brink/disparity.hpp"
 #include "brink/ground.hpp"
+#include "ground/cells_simd.hpp"
+#include "reference/cells.hpp"
+#include "select_nth.hpp"
+#include "simd_targets.hpp"
 #include "synthetic_scene.hpp"
 
 namespace brink {
@@ -188,6 +192,55 @@ TEST_F(FollowGround, HasNoElevationWhereThereIsNone) {
 TEST_F(FollowGround, RefusesWhatDoesNotFit) {
   params_.follow_cell_m = 0.0;
   EXPECT_THROW(follow(), std::invalid_argument);
+}
+
+TEST(SelectNth, PutsEachValueInItsPlace) {
+  cv::RNG random(21);
+  for (const int count : {1, 2, 8, 9, 30, 200}) {
+    for (const int levels : {1, 3, 1000}) {
+      std::vector<float> values(static_cast<std::size_t>(count));
+      for (float& value : values) value = static_cast<float>(random.uniform(0, levels)) - 7.5F;
+      std::vector<float> sorted = values;
+      std::ranges::sort(sorted);
+      for (std::size_t n = 0; n < values.size(); ++n) {
+        std::vector<float> some = values;
+        select_nth(some.data(), some.data() + n, some.data() + some.size());
+        EXPECT_EQ(some[n], sorted[n]);
+        EXPECT_TRUE(
+            std::all_of(some.begin(), some.begin() + static_cast<std::ptrdiff_t>(n), [&](float x) { return x <= some[n]; }));
+        std::ranges::sort(some);
+        EXPECT_EQ(some, sorted) << "none is lost";
+      }
+    }
+  }
+}
+
+TEST(CellPlaces, EqualTheirTwinOnEveryTarget) {
+  cv::RNG random(13);
+  const StereoCamera camera{.focal = 350.0, .cx = 161.5, .cy = 90.2, .baseline = 0.15};
+  const GroundPose pose = compute_ground_pose(make_ground_plane(1.5, 25.0, 4.0, camera), camera);
+  const CellGrid grid{0.2, -5.0, 50, 25};
+  std::vector<float> disparity(320);
+  for (float& d : disparity) d = random.uniform(0, 5) == 0 ? kInvalidDisparity : random.uniform(3.0F, 50.0F);
+  int told = 0;
+  for (const int step : {1, 2, 3}) {
+    for (const int count : {0, 1, 3, 17, 106}) {
+      for (const int v : {0, 60, 120, 179}) {
+        const PixelRow row{disparity.data(), v, step / 2, step, count};
+        const auto expected = reference::naive_cells(row, camera, pose, grid, 1.0);
+        told += static_cast<int>(std::ranges::count_if(expected, [](const auto& place) { return place.cell >= 0; }));
+        test::for_each_target([&] {
+          std::vector<int> cells(expected.size());
+          std::vector<float> elevation_m(expected.size());
+          place_in_cells(row, camera, pose, grid, 1.0, cells.data(), elevation_m.data());
+          std::vector<reference::CellPlace> places;
+          for (std::size_t i = 0; i < cells.size(); ++i) places.push_back({cells[i], cells[i] < 0 ? 0.0F : elevation_m[i]});
+          EXPECT_TRUE(places == expected) << step << ' ' << count << ' ' << v;
+        });
+      }
+    }
+  }
+  EXPECT_GT(told, 100);
 }
 
 }  // namespace
