@@ -161,6 +161,7 @@ Detection Detector::process(const Frame& frame) {
     // Our own: one hole, one obstacle
     detection.candidates = merge_parts(std::move(detection.candidates), detection.elevation, detection.ground.pose,
                                        frame.camera, params_.candidates);
+    detection.times.tracking = stage.lap_ms();
   } else {
     detection.times.ground = stage.lap_ms();
   }
@@ -170,7 +171,7 @@ Detection Detector::process(const Frame& frame) {
   stage.lap_ms();
   align_grounds(frame, detection);
   report(frame, detection);
-  detection.times.tracking = stage.lap_ms();
+  detection.times.tracking += stage.lap_ms();
   detection.times.total = whole.lap_ms();
   return detection;
 }
