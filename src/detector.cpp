@@ -118,18 +118,18 @@ Detection Detector::process(const Frame& frame) {
   if (frame.left.empty()) detection.no_disparity_off = "no left picture";
   Stopwatch whole;
 
-  // III.C.4 Ego-motion needs no disparities: it goes on beside everything up to the tracking
-  tbb::task_group beside;
-  beside.run([&] {
-    Stopwatch stage;
-    estimate_ego_motion(frame, detection);
-    detection.times.ego_motion = stage.lap_ms();
-  });
-
   // III.C.1 Disparity map, unless it is given
   Stopwatch stage;
   detection.disparity = frame.disparity.empty() ? matcher_->compute(frame.left, frame.right) : frame.disparity;
   detection.times.disparity = stage.lap_ms();
+
+  // III.C.4 Ego-motion, which needs no disparities: beside the next two, which keep one thread busy more than two
+  tbb::task_group beside;
+  beside.run([&] {
+    Stopwatch alone;
+    estimate_ego_motion(frame, detection);
+    detection.times.ego_motion = alone.lap_ms();
+  });
 
   // III.C.2 Ground surface
   detection.ground = estimate_ground(detection.disparity, frame.camera, params_.ground, frame.gravity);

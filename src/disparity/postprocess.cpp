@@ -135,6 +135,12 @@ class Segments {
   [[nodiscard]] int count() const { return static_cast<int>(runs_.size()); }
   [[nodiscard]] const Run& run(int i) const { return runs_[static_cast<std::size_t>(i)]; }
   void add(int v, int begin, int end) { runs_.push_back({v, begin, end, count(), end - begin}); }
+  /// Adds the runs of lower rows, which are joined already.
+  void append(const Segments& lower) {
+    const int first = count();
+    runs_.insert(runs_.end(), lower.runs_.begin(), lower.runs_.end());
+    for (auto run = runs_.begin() + first; run != runs_.end(); ++run) run->parent += first;
+  }
   void join(int a, int b) {
     a = first_of(a);
     b = first_of(b);
@@ -172,24 +178,59 @@ void join_rows(const float* upper, cv::Range upper_runs, const float* lower, cv:
   }
 }
 
-}  // namespace
-
-void remove_speckles(cv::Mat1f& disparity, float similarity_px, int min_size_px) {
-  // Segments are found as runs: similar neighbours of a row, joined to those of the row above.
+/// Rows of a picture with their segments.
+struct Band {
+  cv::Range rows;
   Segments segments;
+  cv::Range top;     ///< runs of the first row
+  cv::Range bottom;  ///< of the last one
+};
+
+void find_segments(const cv::Mat1f& disparity, float similarity_px, Band& band) {
+  Segments& segments = band.segments;
   ValidBits bits;
-  cv::Range above(0, 0);  // the runs of the row above
-  for (int v = 0; v < disparity.rows; ++v) {
+  for (int v = band.rows.start; v < band.rows.end; ++v) {
     const int first = segments.count();
     find_valid_bits(disparity[v], disparity.cols, similarity_px, bits);
     for_each_run(bits, [&](int begin, int end) { segments.add(v, begin, end); });
     const cv::Range here(first, segments.count());
-    if (v > 0) join_rows(disparity[v - 1], above, disparity[v], here, similarity_px, segments);
-    above = here;
+    if (v > band.rows.start) {
+      join_rows(disparity[v - 1], band.bottom, disparity[v], here, similarity_px, segments);
+    } else {
+      band.top = here;
+    }
+    band.bottom = here;
   }
-  for (int i = 0; i < segments.count(); ++i) {
-    if (segments.size_of(i) >= min_size_px) continue;
-    const Segments::Run& run = segments.run(i);
+}
+
+/// Appends the band below.
+void join_bands(const cv::Mat1f& disparity, const Band& lower, float similarity_px, Band& upper) {
+  const int first = upper.segments.count();
+  const auto moved = [first](const cv::Range& runs) { return cv::Range(runs.start + first, runs.end + first); };
+  upper.segments.append(lower.segments);
+  const int v = lower.rows.start;
+  join_rows(disparity[v - 1], upper.bottom, disparity[v], moved(lower.top), similarity_px, upper.segments);
+  upper.bottom = moved(lower.bottom);
+  upper.rows.end = lower.rows.end;
+}
+
+}  // namespace
+
+void remove_speckles(cv::Mat1f& disparity, float similarity_px, int min_size_px) {
+  if (disparity.empty()) return;
+  // Segments are found as runs: similar neighbours of a row, joined to those of the row above; band by band side by side.
+  constexpr int kRows = 90;
+  std::vector<Band> bands;
+  for (int v = 0; v < disparity.rows; v += kRows) {
+    bands.emplace_back();
+    bands.back().rows = {v, std::min(v + kRows, disparity.rows)};
+  }
+  tbb::parallel_for(std::size_t{0}, bands.size(), [&](std::size_t k) { find_segments(disparity, similarity_px, bands[k]); });
+  Band& all = bands.front();
+  for (std::size_t k = 1; k < bands.size(); ++k) join_bands(disparity, bands[k], similarity_px, all);
+  for (int i = 0; i < all.segments.count(); ++i) {
+    if (all.segments.size_of(i) >= min_size_px) continue;
+    const Segments::Run& run = all.segments.run(i);
     std::fill(disparity[run.v] + run.begin, disparity[run.v] + run.end, kInvalidDisparity);
   }
 }

@@ -45,23 +45,33 @@ SupportGrid remove_inconsistent(const SupportGrid& grid, const ElasParams& param
   SupportGrid framed;
   cv::copyMakeBorder(grid, framed, reach, reach, reach, reach + kRowPadding, cv::BORDER_CONSTANT, kNoSupport);
   SupportGrid result = grid.clone();
-  remove_inconsistent_points(framed, params, result);
+  constexpr int kRows = 8;
+  tbb::parallel_for(tbb::blocked_range<int>(0, result.rows, kRows), [&](const tbb::blocked_range<int>& rows) {
+    remove_inconsistent_points(framed, params, {rows.begin(), rows.end()}, result);
+  });
   return result;
 }
 
 SupportGrid remove_redundant(const SupportGrid& grid) {
   SupportGrid result = grid.clone();
   // In place on purpose: judged by the untouched grid, the inside of every even surface would vanish altogether.
-  const auto thin_out = [&result](int di, int dj) {
-    for (int j = 0; j < result.rows; ++j) {
-      for (int i = 0; i < result.cols; ++i) {
+  const auto thin_out = [&result](const cv::Range& columns, const cv::Range& rows, int di, int dj) {
+    for (int j = rows.start; j < rows.end; ++j) {
+      for (int i = columns.start; i < columns.end; ++i) {
         if (result(j, i) == kNoSupport) continue;
         if (has_similar(result, i, j, -di, -dj) && has_similar(result, i, j, di, dj)) result(j, i) = kNoSupport;
       }
     }
   };
-  thin_out(0, 1);
-  thin_out(1, 0);
+  const cv::Range all_columns(0, result.cols);
+  const cv::Range all_rows(0, result.rows);
+  constexpr int kLines = 16;
+  tbb::parallel_for(tbb::blocked_range<int>(0, result.cols, kLines), [&](const tbb::blocked_range<int>& columns) {
+    thin_out({columns.begin(), columns.end()}, all_rows, 0, 1);
+  });
+  tbb::parallel_for(tbb::blocked_range<int>(0, result.rows, kLines), [&](const tbb::blocked_range<int>& rows) {
+    thin_out(all_columns, {rows.begin(), rows.end()}, 1, 0);
+  });
   return result;
 }
 

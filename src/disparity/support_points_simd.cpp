@@ -202,11 +202,11 @@ std::size_t count_agreeing(const int* row, int width, int disparity, int thresho
   return agreeing;
 }
 
-void remove_points(const SupportGrid& framed, const ElasParams& params, SupportGrid& result) {
+void remove_points(const SupportGrid& framed, const ElasParams& params, const cv::Range& rows, SupportGrid& result) {
   const int reach = params.inconsistency_window;
   const int width = 2 * reach + 1;
   const auto enough = static_cast<std::size_t>(params.inconsistency_min_support);
-  for (int j = 0; j < result.rows; ++j) {
+  for (int j = rows.start; j < rows.end; ++j) {
     for (int i = 0; i < result.cols; ++i) {
       const int disparity = framed(j + reach, i + reach);
       if (disparity == kNoSupport) continue;
@@ -236,8 +236,9 @@ void match_support_row(const DescriptorImage& left, const DescriptorImage& right
   HWY_DYNAMIC_DISPATCH(match_row)(left, right, j, params, memory, row);
 }
 
-void remove_inconsistent_points(const SupportGrid& framed, const ElasParams& params, SupportGrid& result) {
-  HWY_DYNAMIC_DISPATCH(remove_points)(framed, params, result);
+void remove_inconsistent_points(const SupportGrid& framed, const ElasParams& params, const cv::Range& rows,
+                                SupportGrid& result) {
+  HWY_DYNAMIC_DISPATCH(remove_points)(framed, params, rows, result);
 }
 
 }  // namespace brink

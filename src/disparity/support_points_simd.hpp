@@ -12,9 +12,10 @@ namespace brink {
 void match_support_row(const DescriptorImage& left, const DescriptorImage& right, int j, const ElasParams& params,
                        SupportRowMemory& memory, int* row);
 
-/// Takes the points out of the result with which fewer than inconsistency_min_support points of their window agree: they
-/// themselves count. Equal to the plain twin in tests/reference/support_points.hpp for every target.
+/// Takes the points out of these rows of the result with which fewer than inconsistency_min_support points of their window
+/// agree: they themselves count. Equal to the plain twin in tests/reference/support_points.hpp for every target.
 /// @param framed the grid with inconsistency_window cells of kNoSupport around it, and kRowPadding more behind every row.
-void remove_inconsistent_points(const SupportGrid& framed, const ElasParams& params, SupportGrid& result);
+void remove_inconsistent_points(const SupportGrid& framed, const ElasParams& params, const cv::Range& rows,
+                                SupportGrid& result);
 
 }  // namespace brink

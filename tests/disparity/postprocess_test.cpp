@@ -62,7 +62,7 @@ TEST(Postprocess, SpecklesSmallerThanTheLimitGo) {
 }
 
 TEST(Postprocess, SpecklesEqualTheirDefinition) {
-  for (const cv::Size size : {cv::Size(1, 1), cv::Size(7, 5), cv::Size(23, 19), cv::Size(150, 90)}) {
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(7, 5), cv::Size(23, 19), cv::Size(150, 90), cv::Size(9, 300)}) {
     for (const int min_size : {1, 2, 6}) {
       const cv::Mat1f disparity = make_random(size, 5);
       const cv::Mat1f expected = reference::remove_speckles(disparity, 1.0F, min_size);
