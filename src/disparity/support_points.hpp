@@ -27,10 +27,13 @@ inline constexpr int kNoSupport = -1;
 
 /// Memory for one row of candidates.
 struct SupportRowMemory {
-  DescriptorRow left_upper;  ///< rows of descriptors above and below the candidates
-  DescriptorRow left_lower;
-  DescriptorRow right_upper;
-  DescriptorRow right_lower;
+  struct View {
+    DescriptorRow upper;  ///< descriptors of the rows above and below the candidates
+    DescriptorRow lower;
+    std::vector<std::int16_t> texture;  ///< of their own row
+  };
+  View left;
+  View right;
   std::vector<std::int16_t> costs;
 };
 

@@ -14,6 +14,7 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include "disparity/descriptors_simd.hpp"
 #include "simd/sums_of_differences-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -28,11 +29,11 @@ constexpr int kArm = 2;
 constexpr int kMinRange = 10;
 constexpr std::int16_t kNoCost = 0x7FFF;  // more than the largest cost of four descriptors
 
-/// What a row of candidates is matched by in one view: the descriptors of the rows above and below, and its own samples.
+/// What a row of candidates is matched by in one view: the descriptors of the rows above and below, and its own texture.
 struct Rows {
   const Descriptor* upper = nullptr;
   const Descriptor* lower = nullptr;
-  DescriptorSamples samples{};
+  const std::int16_t* texture = nullptr;
   int width = 0;
 };
 
@@ -130,22 +131,22 @@ Best find_best(const Comparison& c, std::int16_t* costs) {
   }
 
   Best best;
-  least = hn::MinOfLanes(d16, least);
-  best.cost = hn::GetLane(least);
+  best.cost = least_of_lanes(d16, least);
+  least = hn::Set(d16, best.cost);
   auto smallest = none;
   for (int x = begin; x <= end; x += lanes) {
     const auto is_least = hn::Eq(hn::LoadU(d16, costs + (x - begin)), least);
     smallest = hn::Min(smallest, hn::IfThenElse(is_least, disparities(x), none));
   }
-  smallest = hn::MinOfLanes(d16, smallest);
-  best.disparity = hn::GetLane(smallest);
+  best.disparity = least_of_lanes(d16, smallest);
+  smallest = set(best.disparity);
   const auto exclusion = set(c.exclusion);
   auto rival = none;
   for (int x = begin; x <= end; x += lanes) {
     const auto is_rival = hn::Gt(hn::Abs(hn::Sub(disparities(x), smallest)), exclusion);
     rival = hn::Min(rival, hn::IfThenElse(is_rival, hn::LoadU(d16, costs + (x - begin)), none));
   }
-  best.rival = hn::GetLane(hn::MinOfLanes(d16, rival));
+  best.rival = least_of_lanes(d16, rival);
   return best;
 }
 
@@ -158,7 +159,7 @@ int match_point(const Rows& rows, const Rows& other, int u, int direction, const
   const int room = direction < 0 ? u - kBorder : rows.width - 1 - kBorder - u;
   const int last = std::min(params.max_disparity, room);
   if (last - params.min_disparity < kMinRange) return kNoSupport;
-  if (compute_texture(describe(rows.samples, u)) < params.support_texture) return kNoSupport;
+  if (rows.texture[u] < params.support_texture) return kNoSupport;
 
   // The foot of the minimum is no rival: next to the best all costs are low where the texture is coarse.
   const Best best = find_best({rows, u, other, direction, params.min_disparity, last, params.support_exclusion_px}, costs);
@@ -172,10 +173,13 @@ void match_row(const DescriptorImage& left, const DescriptorImage& right, int j,
   const int v = j * step;
   const int width = left.width();
   if (v < kBorder || v >= left.height() - kBorder) return;
-  const Rows left_rows{memory.left_upper.gather(left, v - kArm), memory.left_lower.gather(left, v + kArm), left.samples(v),
-                       width};
-  const Rows right_rows{memory.right_upper.gather(right, v - kArm), memory.right_lower.gather(right, v + kArm),
-                        right.samples(v), width};
+  const auto describe_rows = [v, width](const DescriptorImage& image, SupportRowMemory::View& view) {
+    view.texture.resize(static_cast<std::size_t>(width));
+    compute_texture_row(image.samples(v), width, view.texture.data());
+    return Rows{view.upper.gather(image, v - kArm), view.lower.gather(image, v + kArm), view.texture.data(), width};
+  };
+  const Rows left_rows = describe_rows(left, memory.left);
+  const Rows right_rows = describe_rows(right, memory.right);
   memory.costs.resize(memory_needed(params.max_disparity + 1));
   std::int16_t* const costs = memory.costs.data();
   for (int u = (kBorder + step - 1) / step * step; u < width - kBorder; u += step) {

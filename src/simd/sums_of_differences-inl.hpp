@@ -59,6 +59,21 @@ HWY_INLINE hn::Vec<Shorts> pack_sums(const EightSums& sums) {
                  hn::BitCast(shorts, hn::InterleaveUpper(words, first, second)));
 }
 
+/// The least of the lanes, none of which is negative. Highway 1.0.3 takes many steps for that, x86 has an instruction.
+template <class D>
+HWY_INLINE std::int16_t least_of_lanes(D d16, hn::Vec<D> lanes) {
+#if HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  if constexpr (hn::MaxLanes(D()) == 8) {
+    return static_cast<std::int16_t>(_mm_extract_epi16(_mm_minpos_epu16(lanes.raw), 0));
+  } else {
+    const hn::Half<D> half;
+    return least_of_lanes(half, hn::Min(hn::LowerHalf(half, lanes), hn::UpperHalf(half, lanes)));
+  }
+#else
+  return hn::GetLane(hn::MinOfLanes(d16, lanes));
+#endif
+}
+
 /// Which pixel each lane of pack_sums is: Iota in its order.
 HWY_INLINE hn::Vec<hn::RebindToSigned<Shorts>> columns_of_lanes() {
   const hn::RebindToSigned<Shorts> d16;
