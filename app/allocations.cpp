@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+#include <malloc.h>
 #define BRINK_COUNTS_ALLOCATIONS 1
 #else
 #define BRINK_COUNTS_ALLOCATIONS 0
@@ -78,6 +79,15 @@ std::optional<Allocations> stop_counting_allocations() {
   is_counting = false;
   if (BRINK_COUNTS_ALLOCATIONS == 0) return std::nullopt;
   return Allocations{calls, bytes};
+}
+
+std::optional<double> allocated_mb() {
+#if BRINK_COUNTS_ALLOCATIONS
+  const struct mallinfo2 info = ::mallinfo2();
+  return static_cast<double>(info.uordblks + info.hblkhd) / (1024.0 * 1024.0);
+#else
+  return std::nullopt;
+#endif
 }
 
 }  // namespace brink::app

@@ -126,6 +126,7 @@ struct Measurement {
   std::vector<StageTimes> times;
   std::vector<double> yardstick_ms;  ///< one of each round; none without both pictures
   std::vector<double> resident_mb;   ///< after each round
+  std::vector<double> allocated_mb;  ///< likewise; empty where it cannot be told
   std::optional<Allocations> allocations;
 };
 
@@ -157,6 +158,7 @@ Measurement measure(const std::vector<Frame>& frames, const DetectorParams& para
     }
     measurement.allocations = stop_counting_allocations();  // of the last round
     measurement.resident_mb.push_back(resident_memory_mb());
+    if (const std::optional<double> allocated = allocated_mb()) measurement.allocated_mb.push_back(*allocated);
   }
   return measurement;
 }
@@ -199,6 +201,11 @@ std::string to_text(const Json& result) {
     text += fmt::format("allocations per frame, last round: {:.0f}, {:.1f} MB\n", allocations["calls"].get<double>(),
                         allocations["mb"].get<double>());
   }
+  const Json& allocated = result["allocated_mb"];
+  if (!allocated.is_null()) {
+    text += fmt::format("allocated memory: {:.1f} MB after the first round, {:.1f} MB after the last\n",
+                        allocated["first"].get<double>(), allocated["last"].get<double>());
+  }
   return text + fmt::format("resident memory: peak {:.0f} MB, {:.1f} MB after the first round, {:.1f} MB after the last\n",
                             result["peak_memory_mb"].get<double>(), result["resident_mb"]["first"].get<double>(),
                             result["resident_mb"]["last"].get<double>());
@@ -225,7 +232,11 @@ int bench(const BenchOptions& options) {
   result["fps"] = 1000.0 / result["times_ms"]["total"]["median"].get<double>();
   // Linux notes the peak only now and then: what was measured in between may lie above it.
   result["peak_memory_mb"] = std::max(peak_memory_mb(), *std::ranges::max_element(measurement.resident_mb));
-  result["resident_mb"] = {{"first", measurement.resident_mb.front()}, {"last", measurement.resident_mb.back()}};
+  const auto first_and_last = [](const std::vector<double>& values) {
+    return values.empty() ? Json() : Json{{"first", values.front()}, {"last", values.back()}};
+  };
+  result["resident_mb"] = first_and_last(measurement.resident_mb);
+  result["allocated_mb"] = first_and_last(measurement.allocated_mb);
   result["allocations"] = Json();
   if (measurement.allocations) {
     const auto per_frame = static_cast<double>(frames.size());

@@ -250,6 +250,8 @@ TEST(Bench, MeasuresEveryStage) {
   if (!json["allocations"].is_null()) {
     EXPECT_GT(json["allocations"]["calls"], 0.0);
     EXPECT_GT(json["allocations"]["mb"], 0.1);
+    EXPECT_GT(json["allocated_mb"]["first"], 0.1);
+    EXPECT_LT(json["allocated_mb"]["last"], json["resident_mb"]["last"]);
   }
   const std::string text = run_command("bench " + pair + " --repeat 1").output;
   EXPECT_NE(text.find("disparity: median "), std::string::npos);
