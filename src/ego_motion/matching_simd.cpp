@@ -12,6 +12,8 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include "simd/sums_of_differences-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace brink::HWY_NAMESPACE {
 namespace {
@@ -53,17 +55,6 @@ using Bytes = hn::CappedTag<std::uint8_t, 32>;
 using Words = hn::Repartition<std::uint64_t, Bytes>;
 using Keys = hn::Repartition<std::int64_t, Bytes>;
 
-/// Sums of |a - b| over every 8 bytes. Highway 1.0.3 has no such operation, x86 has an instruction.
-HWY_INLINE hn::Vec<Words> sum_differences(hn::Vec<Bytes> a, hn::Vec<Bytes> b) {
-#if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4
-  return hn::Vec<Words>{_mm_sad_epu8(a.raw, b.raw)};
-#elif HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
-  return hn::Vec<Words>{_mm256_sad_epu8(a.raw, b.raw)};
-#else
-  return hn::SumsOf8(hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a)));
-#endif
-}
-
 /// The costs of as many features as a vector holds words.
 class Costs {
  public:
@@ -89,8 +80,8 @@ class Costs {
   }
   [[nodiscard]] HWY_INLINE hn::Vec<Words> compute_one(std::int32_t feature) const {
     const std::uint8_t* const descriptor = descriptors_ + 32 * static_cast<std::size_t>(feature);
-    const auto sums = sum_differences(first_, hn::LoadU(Bytes(), descriptor));
-    return kLast == 0 ? sums : hn::Add(sums, sum_differences(last_, hn::LoadU(Bytes(), descriptor + kLast)));
+    const auto sums = sum_differences(Bytes(), first_, hn::LoadU(Bytes(), descriptor));
+    return kLast == 0 ? sums : hn::Add(sums, sum_differences(Bytes(), last_, hn::LoadU(Bytes(), descriptor + kLast)));
   }
 
   static constexpr std::size_t kLast = 32 - hn::MaxLanes(Bytes());  ///< 0: one vector holds a descriptor

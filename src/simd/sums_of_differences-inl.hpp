@@ -32,17 +32,27 @@ HWY_INLINE std::size_t descriptors_per_vector() { return hn::Lanes(Bytes()) / 16
 HWY_INLINE std::size_t bytes_per_vector() { return hn::Lanes(Bytes()); }
 
 /// Sums of |a - b| over every 8 bytes. Highway 1.0.3 has no such operation, x86 has an instruction.
-HWY_INLINE hn::Vec<Words> sum_differences(hn::Vec<Bytes> a, hn::Vec<Bytes> b) {
-#if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4
-  return hn::Vec<Words>{_mm_sad_epu8(a.raw, b.raw)};
-#elif HWY_TARGET == HWY_AVX2
-  return hn::Vec<Words>{_mm256_sad_epu8(a.raw, b.raw)};
-#elif HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
-  return hn::Vec<Words>{_mm512_sad_epu8(a.raw, b.raw)};
+template <class D>
+HWY_INLINE hn::Vec<hn::Repartition<std::uint64_t, D>> sum_differences(D /*bytes*/, hn::Vec<D> a, hn::Vec<D> b) {
+#if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || \
+    HWY_TARGET == HWY_AVX3_DL
+  using Sums = hn::Vec<hn::Repartition<std::uint64_t, D>>;
+  if constexpr (hn::MaxLanes(D()) == 16) {
+    return Sums{_mm_sad_epu8(a.raw, b.raw)};
+#if HWY_TARGET <= HWY_AVX2
+  } else if constexpr (hn::MaxLanes(D()) == 32) {
+    return Sums{_mm256_sad_epu8(a.raw, b.raw)};
+#endif
+#if HWY_TARGET <= HWY_AVX3
+  } else if constexpr (hn::MaxLanes(D()) == 64) {
+    return Sums{_mm512_sad_epu8(a.raw, b.raw)};
+#endif
+  }
 #else
   return hn::SumsOf8(hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a)));
 #endif
 }
+HWY_INLINE hn::Vec<Words> sum_differences(hn::Vec<Bytes> a, hn::Vec<Bytes> b) { return sum_differences(Bytes(), a, b); }
 
 /// Costs of as many pixels as a vector has 16-bit lanes, from the sums of eight vectors of consecutive descriptors, two sums of
 /// at most 16,383 a descriptor. Lane 8 k + j is pixel K j + k, where K = descriptors_per_vector().
