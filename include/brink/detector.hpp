@@ -61,7 +61,7 @@ struct StageTimes {
   double ground = 0.0;  ///< with the elevation image
   double below_ground = 0.0;
   double no_disparity = 0.0;  ///< runs beside below_ground
-  double ego_motion = 0.0;    ///< runs beside disparity
+  double ego_motion = 0.0;    ///< runs beside ground, below_ground and no_disparity
   double tracking = 0.0;      ///< with the merging of parts
   double total = 0.0;
 };

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "candidates/grow.hpp"
+#include "joined.hpp"
 #include "scan.hpp"
 
 namespace brink {
@@ -21,14 +22,9 @@ struct Run {
   std::size_t first;  ///< an earlier run of the same region, at last its first one; the first one tells itself
 };
 
-std::size_t find_first(std::vector<Run>& runs, std::size_t run) {
-  while (runs[run].first != run) run = runs[run].first = runs[runs[run].first].first;
-  return run;
-}
-
 void connect(std::vector<Run>& runs, std::size_t a, std::size_t b) {
-  a = find_first(runs, a);
-  b = find_first(runs, b);
+  a = find_first(runs, a, &Run::first);
+  b = find_first(runs, b, &Run::first);
   runs[std::max(a, b)].first = std::min(a, b);
 }
 

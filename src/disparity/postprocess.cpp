@@ -14,6 +14,7 @@
 #include "brink/disparity.hpp"
 #include "disparity/postprocess_simd.hpp"
 #include "disparity/valid_bits_simd.hpp"
+#include "joined.hpp"
 
 namespace brink {
 namespace {
@@ -152,11 +153,7 @@ class Segments {
   [[nodiscard]] int size_of(int i) { return run(first_of(i)).size; }
 
  private:
-  [[nodiscard]] int first_of(int i) {
-    int& parent = runs_[static_cast<std::size_t>(i)].parent;
-    while (run(parent).parent != parent) parent = run(parent).parent;
-    return parent;
-  }
+  [[nodiscard]] int first_of(int i) { return find_first(runs_, i, &Run::parent); }
 
   std::vector<Run> runs_;
 };
