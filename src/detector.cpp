@@ -30,6 +30,13 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
+MotionHint get_motion(const Frame& frame, const Detection& detection) {
+  MotionHint hint;
+  if (detection.ego_motion.motion) hint.current_from_previous = detection.ego_motion.motion->current_from_previous;
+  hint.current_from_previous_rotation = frame.current_from_previous_rotation;
+  return hint;
+}
+
 void sort_out(std::vector<Candidate>&& selected, Detection& detection) {
   for (Candidate& candidate : selected) {
     (candidate.rejection ? detection.rejected : detection.candidates).push_back(std::move(candidate));
@@ -105,7 +112,8 @@ std::string to_string(EgoMotionState state) {
   return "ground";
 }
 
-Detector::Detector(const DetectorParams& params) : params_(params), ego_motion_(params.ego_motion), tracker_(params.tracking) {
+Detector::Detector(const DetectorParams& params)
+    : params_(params), ground_tracker_(params.ground), ego_motion_(params.ego_motion), tracker_(params.tracking) {
   params.validate();
   matcher_ = make_stereo_matcher(params.disparity);
 }
@@ -123,7 +131,7 @@ Detection Detector::process(const Frame& frame) {
   detection.disparity = frame.disparity.empty() ? matcher_->compute(frame.left, frame.right) : frame.disparity;
   detection.times.disparity = stage.lap_ms();
 
-  // III.C.4 Ego-motion, which needs no disparities: beside the next two, which keep one thread busy more than two
+  // III.C.4 Ego-motion, which needs no disparities: beside the search for planes
   tbb::task_group beside;
   beside.run([&] {
     Stopwatch alone;
@@ -132,7 +140,14 @@ Detection Detector::process(const Frame& frame) {
   });
 
   // III.C.2 Ground surface
-  detection.ground = estimate_ground(detection.disparity, frame.camera, params_.ground, frame.gravity);
+  if (params_.stills) ground_tracker_ = GroundTracker(params_.ground);
+  if (params_.ground.track) {
+    ground_tracker_.search(detection.disparity, frame.camera, frame.gravity);
+    beside.wait();
+    detection.ground = ground_tracker_.update(get_motion(frame, detection), frame.time);
+  } else {
+    detection.ground = estimate_ground(detection.disparity, frame.camera, params_.ground, frame.gravity);
+  }
   mistrust_exchanged_eyes(frame, params_.ego_motion, detection.ground);
   if (detection.ground.plane) {
     GroundSurface ground = make_flat_surface(detection.ground, detection.disparity, frame.camera);
@@ -235,7 +250,9 @@ void Detector::report(const Frame& frame, Detection& detection) {
   if (detection.ground.plane) {
     view = FrameView{.camera = frame.camera,
                      .ground = detection.ground.pose,
-                     .level = select_level(detection.elevation, params_.candidates.ground_tolerance_m)};
+                     .level = select_level(detection.elevation, params_.candidates.ground_tolerance_m),
+                     .below = cv::Mat1b(detection.elevation <= -params_.candidates.min_depth_m),
+                     .is_ground_shown = detection.ground.state == GroundState::seen};
   }
   walk_.update(current_from_previous, frame.time);
   const auto time_to_edge = [&](const Candidate& candidate) -> std::optional<double> {

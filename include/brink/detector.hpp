@@ -14,6 +14,7 @@
 #include "brink/ego_motion.hpp"
 #include "brink/frame.hpp"
 #include "brink/ground.hpp"
+#include "brink/ground_tracking.hpp"
 #include "brink/tracking.hpp"
 #include "brink/walking.hpp"
 
@@ -122,6 +123,7 @@ class Detector {
 
   DetectorParams params_;
   std::unique_ptr<StereoMatcher> matcher_;
+  GroundTracker ground_tracker_;
   EgoMotionEstimator ego_motion_;
   Tracker tracker_;
   WalkEstimator walk_;

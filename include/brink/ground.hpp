@@ -44,6 +44,8 @@ struct GroundPose {
 GroundPose compute_ground_pose(const GroundPlane& plane, const StereoCamera& camera);
 /// Pose to plane, from height, pitch and roll. @throws std::invalid_argument unless height_m > 0.
 GroundPlane make_ground_plane(double height_m, double pitch_deg, double roll_deg, const StereoCamera& camera);
+/// The same from height_m and down; the other members are not read. @throws std::invalid_argument unless height_m > 0.
+GroundPlane make_ground_plane(const GroundPose& pose, const StereoCamera& camera);
 
 /// The motion of a camera that stays over the same place of the ground and keeps its heading, while its height, pitch and roll
 /// change from one pose to the other: what two grounds alone tell of current_from_previous.
@@ -54,11 +56,11 @@ enum class GroundState : std::uint8_t { seen, uncertain, not_visible };
 std::string to_string(GroundState state);
 
 struct GroundParams {
-  double min_height_m = 0.3;            ///< of the camera over the ground
-  double max_height_m = 2.5;            ///< of the camera over the ground
+  double min_height_m = 0.1;            ///< of the camera over the ground
+  double max_height_m = 4.0;            ///< of the camera over the ground
   double min_pitch_deg = -10.0;         ///< looking up
-  double max_pitch_deg = 60.0;          ///< looking down
-  double max_roll_deg = 25.0;           ///< to either side
+  double max_pitch_deg = 80.0;          ///< looking down
+  double max_roll_deg = 45.0;           ///< to either side
   double gravity_tolerance_deg = 20.0;  ///< slope of the ground and error of gravity, where gravity is known
   double max_range_m = 8.0;             ///< ground farther away than this takes no part
   double tolerance_ratio = 0.02;        ///< roughness: half width of the band counted as ground, share of the camera height
@@ -67,14 +69,15 @@ struct GroundParams {
   int seed = 1;                         ///< of the random line hypotheses
   double seen_confidence = 0.5;         ///< confidence from which the ground counts as seen
   double uncertain_confidence = 0.25;   ///< confidence from which it counts as uncertain; not visible below
-  bool follow = true;                   ///< follow the surface where it bends away from the plane: ramps, crests, crossfall
-  double follow_slope_deg = 10.0;       ///< steepest surface that is followed
-  double follow_cell_m = 0.2;           ///< the surface is followed in square cells of this size
-  double follow_reach_m = 0.8;          ///< the slope must hold towards all of it that is this near
-  double follow_extent_m = 1.0;         ///< smaller bends are none: shallow holes
-  double follow_step_m = 0.06;          ///< nor is what begins with a higher step and is hardly higher beyond: kerbs
-  static GroundParams paper();          ///< without what brink adds: follow false
-  void validate() const;                ///< @throws std::invalid_argument "ground.name = value, must be ..."
+  bool track = true;               ///< the ground is what the bearer stands on (GroundTracker); false = the plane of each frame
+  bool follow = true;              ///< follow the surface where it bends away from the plane: ramps, crests, crossfall
+  double follow_slope_deg = 10.0;  ///< steepest surface that is followed
+  double follow_cell_m = 0.2;      ///< the surface is followed in square cells of this size
+  double follow_reach_m = 0.8;     ///< the slope must hold towards all of it that is this near
+  double follow_extent_m = 1.0;    ///< smaller bends are none: shallow holes
+  double follow_step_m = 0.06;     ///< nor is what begins with a higher step and is hardly higher beyond: kerbs
+  static GroundParams paper();  ///< without what brink adds: track, follow false; heights 0.3 to 2.5 m, pitch to 60, roll to 25
+  void validate() const;        ///< @throws std::invalid_argument "ground.name = value, must be ..."
 };
 
 /// Result of estimate_ground, with its evidence.

@@ -16,10 +16,11 @@ struct TrackingParams {
   double association_radius_m = 0.5;  ///< a candidate is the same as one whose place was this near a frame ago
   bool associate_rims = true;     ///< places are compared by the nearest point of the rim, too, and by where openings overlap
   double max_unseen_s = 0.2;      ///< a track that is not seen lives on for this long; 0 = it ends with the first frame
-  double max_coast_s = 1.0;       ///< a validated one is told so long unseen, no longer than it was seen, while nothing
-                                  ///< contradicts it; 0 = never
-  double max_blind_s = 0.2;       ///< so long may frames fail, or the camera's motion be unknown, before all tracks end; 0 = at
-                                  ///< once. An unknown motion is meanwhile taken to go on as it was
+  double max_coast_s = 1.0;       ///< a validated one is reported while its place was overlooked for no longer than this, nor
+                                  ///< than it was seen, and nothing contradicts it; and for this long after the motion was
+                                  ///< last known. What is out of view, or at the feet, is not overlooked. 0 = never
+  double max_blind_s = 0.2;       ///< longest run of failed frames or unknown motion that tracks that are not validated
+                                  ///< survive; 0 = none. An unknown motion is meanwhile taken to go on as it was
   double validation_s = 0.2;      ///< a candidate is validated when it was seen for this long, 3 frames at 15 fps,
   int min_sightings = 3;          ///< ... but never before it was seen so often,
   double min_probability = 0.5;   ///< ... and not unless this is its probability; 0 = whatever it is, and none is told
@@ -45,9 +46,10 @@ struct Track {
   Candidate candidate;  ///< as this frame shows it; when it does not, as it was remembered, moved by the camera's motion
   int length = 1;       ///< sightings, this frame's included; in a row but for the gaps that params allow
   bool validated = false;
-  double unseen_s = 0.0;  ///< since the last sighting; 0 = this frame shows it
-  double evidence = 0.0;  ///< log-odds that one sighting gives, averaged over its sightings, the last ones weighing most
-  KindVotes kind_votes;   ///< of its sightings; the winner is the candidate's kind
+  double unseen_s = 0.0;      ///< since the last sighting; 0 = this frame shows it
+  double overlooked_s = 0.0;  ///< of that, how long its place was in view, and the ground there, and nothing was found
+  double evidence = 0.0;      ///< log-odds that one sighting gives, averaged over its sightings, the last ones weighing most
+  KindVotes kind_votes;       ///< of its sightings; the winner is the candidate's kind
   std::optional<double> probability;  ///< that it is there, 0..1; empty when params ask for none
 };
 
@@ -55,7 +57,9 @@ struct Track {
 struct FrameView {
   StereoCamera camera;
   GroundPose ground;
-  cv::Mat1b level;  ///< 255 = surface at the height of the ground; size of the picture
+  cv::Mat1b level;              ///< 255 = surface at the height of the ground; size of the image
+  cv::Mat1b below;              ///< 255 = surface as far below the ground as a negative obstacle; empty = nowhere
+  bool is_ground_shown = true;  ///< the frame shows the ground; false = it is carried on from earlier frames
 };
 
 /// Section III.C.4: the same candidate seen over several frames from a moving camera is a negative obstacle, noise is not.
@@ -67,8 +71,10 @@ class Tracker {
   /// The tracks of this frame, one for each candidate, in their order. What the last frames' tracks remember is moved by the
   /// camera's motion; each candidate goes on with the nearest one within association_radius_m, whatever its type; with
   /// associate_rims, where there is none, also with one that it shares half of its opening with, or of the other's. Several may
-  /// go on with one, as regions split: the nearest keeps its id. After them come validated tracks that were not seen but whose
-  /// opening is in view (`coasting`), unless the ground is seen where they should be, or a seen one has taken their place.
+  /// go on with one, as regions split: the nearest keeps its id. After them come validated tracks that were not seen
+  /// (`coasting`): while they were overlooked for no longer than max_coast_s, unless the ground is seen where they should be, a
+  /// seen one has taken their place, or their edge is behind the bearer. One that is out of view has an empty contour. Where
+  /// the nearest part of an edge has left the image, distance, bearing and rim are those of what is remembered of it.
   /// @param candidates of this frame, positions in its left camera frame, m; empty = nothing was found.
   /// @param current_from_previous left camera frames of the last call and of this one; empty when the motion is not known: the
   ///        last known one is then taken to go on, in proportion to the time, for max_blind_s; then all tracks end, and every
@@ -90,7 +96,8 @@ class Tracker {
   /// What a track is known by in the next frame, in the left camera frame of the last one, m.
   struct Memory {
     Track track;
-    std::vector<Eigen::Vector3d> opening;  ///< hull of its rim, with what of it has left the picture
+    std::vector<Eigen::Vector3d> opening;  ///< hull of its rim, with what of it has left the image
+    std::vector<Eigen::Vector3d> edge;     ///< points of its rim beside which the ground was seen: not the image's border
     double seen = 0.0;                     ///< s, last time
   };
 
@@ -105,7 +112,7 @@ class Tracker {
   void note_time(double time);
   std::optional<Eigen::Isometry3d> find_motion(const std::optional<Eigen::Isometry3d>& measured, double time);
   [[nodiscard]] std::optional<Link> find_nearest(const Candidate& candidate) const;
-  void coast(const std::map<std::size_t, std::size_t>& heirs, double time, const std::optional<FrameView>& view,
+  void coast(const std::map<std::size_t, std::size_t>& heirs, double time, double step_s, const std::optional<FrameView>& view,
              std::vector<Track>& tracks, std::vector<Memory>& memories) const;
   [[nodiscard]] std::optional<double> typical_step() const;
   [[nodiscard]] int required_sightings() const;

@@ -60,11 +60,19 @@ GroundPlane make_ground_plane(double height_m, double pitch_deg, double roll_deg
   const double pitch = pitch_deg / kDegPerRad;
   const double roll = roll_deg / kDegPerRad;
   const Eigen::Vector3d down(std::sin(roll) * std::cos(pitch), std::cos(roll) * std::cos(pitch), std::sin(pitch));
-  const double b_over_h = camera.baseline / height_m;
+  GroundPose pose;
+  pose.height_m = height_m;
+  pose.down = down;
+  return make_ground_plane(pose, camera);
+}
+
+GroundPlane make_ground_plane(const GroundPose& pose, const StereoCamera& camera) {
+  if (!(pose.height_m > 0.0)) throw std::invalid_argument(fmt::format("height_m = {}, must be > 0", pose.height_m));
+  const double b_over_h = camera.baseline / pose.height_m;
   GroundPlane plane;
-  plane.a = down.x() * b_over_h;
-  plane.b = down.y() * b_over_h;
-  plane.c = down.z() * camera.focal * b_over_h - plane.a * camera.cx - plane.b * camera.cy;
+  plane.a = pose.down.x() * b_over_h;
+  plane.b = pose.down.y() * b_over_h;
+  plane.c = pose.down.z() * camera.focal * b_over_h - plane.a * camera.cx - plane.b * camera.cy;
   return plane;
 }
 

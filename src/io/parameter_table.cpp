@@ -84,6 +84,8 @@ std::vector<ParameterEntry> ground_table(GroundParams& p) {
       {"ground.tolerance_ratio", &p.tolerance_ratio, "camera heights", "roughness: half width of the band counted as ground"},
       {"ground.tolerance_px", &p.tolerance_px, "px", "noise of disparities: the band is never narrower than this"},
       {"ground.ransac_iterations", &p.ransac_iterations, "", "line hypotheses per roll angle"},
+      {"ground.track", &p.track, "",
+       "the ground is what the bearer stands on, from frame to frame; false = the plane of each frame"},
       {"ground.follow", &p.follow, "", "follow the surface where it bends away from the plane"},
       {"ground.follow_slope_deg", &p.follow_slope_deg, "degrees", "steepest surface that is followed"},
       {"ground.follow_cell_m", &p.follow_cell_m, "m", "the surface is followed in square cells of this size"},

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
 #include <map>
 #include <stdexcept>
@@ -26,6 +27,7 @@ constexpr double kTellingDepth = 0.15;     // m: a pixel that would be less far 
 constexpr double kLeastDistance = 0.1;     // m
 constexpr int kLeastTelling = 30;          // px
 constexpr double kLeastArea = 50.0;        // px of an opening in view
+constexpr double kForgotten = 8.0;         // m: what is farther away is out of reach
 
 void move(std::vector<Eigen::Vector3d>& points, const Eigen::Isometry3d& to_from) {
   for (Eigen::Vector3d& point : points) point = to_from * point;
@@ -49,15 +51,24 @@ void move(Candidate& candidate, const Eigen::Isometry3d& to_from) {
   move(candidate.rim, to_from);
 }
 
-/// Whether the ground is seen where an opening should be. Close below its far rim its wall is hardly lower than the ground:
-/// only those pixels tell whose rays pass the opening deep enough.
-bool is_contradicted(const std::vector<cv::Point>& contour, const std::optional<double>& depth_m, const FrameView& view) {
-  if (contour.empty()) return false;
+/// What is seen where an opening should be.
+enum class Look : std::uint8_t {
+  nothing,       ///< too little of it is in view to say anything
+  overlooked,    ///< neither
+  confirmed,     ///< a surface that is as low
+  contradicted,  ///< the ground
+};
+
+/// Close below the far rim of an opening its wall is hardly lower than the ground: only those pixels count whose rays pass the
+/// opening deep enough.
+Look look_at(const std::vector<cv::Point>& contour, const std::optional<double>& depth_m, const FrameView& view) {
+  if (contour.empty() || cv::contourArea(contour) < kLeastArea) return Look::nothing;
   const cv::Rect box = cv::boundingRect(contour);
   cv::Mat1b inside(box.size(), uchar{0});
   cv::fillPoly(inside, std::vector{contour}, cv::Scalar(255), cv::LINE_8, 0, -box.tl());
   int telling = 0;
   int level = 0;
+  int below = 0;
   for (int u = 0; u < box.width; ++u) {
     double far_rim_m = 0.0;  // the ground's distance at the highest pixel of the column
     for (int v = 0; v < box.height; ++v) {
@@ -71,9 +82,12 @@ bool is_contradicted(const std::vector<cv::Point>& contour, const std::optional<
       if (std::min(wall_m, depth_m.value_or(wall_m)) < kTellingDepth) continue;
       ++telling;
       if (view.level(box.y + v, box.x + u) != 0) ++level;
+      if (!view.below.empty() && view.below(box.y + v, box.x + u) != 0) ++below;
     }
   }
-  return telling >= kLeastTelling && level > kContradiction * telling;
+  if (telling >= kLeastTelling && level > kContradiction * telling) return Look::contradicted;
+  if (telling >= kLeastTelling && below > kContradiction * telling) return Look::confirmed;
+  return view.is_ground_shown ? Look::overlooked : Look::nothing;
 }
 
 /// What of a remembered opening has left the picture is still there.
@@ -82,23 +96,92 @@ void append_out_of_view(std::vector<Eigen::Vector3d>& rim, const std::vector<Eig
                        [&view](const Eigen::Vector3d& point) { return !is_in_view(point, view.camera, view.level.size()); });
 }
 
-/// Puts a remembered candidate into the picture: where its opening must be, and which point of it is the nearest in view.
-void show(Candidate& candidate, const std::vector<cv::Point>& contour, const std::vector<Eigen::Vector3d>& opening,
-          const FrameView& view) {
+bool is_ahead(const Eigen::Vector3d& point, const GroundPose& ground) { return ground.forward.dot(point) > 0.0; }
+
+/// The point of an edge that is nearest to the bearer, among those ahead of him; empty when all of it is behind.
+std::optional<Eigen::Vector3d> find_nearest_ahead(const std::vector<Eigen::Vector3d>& edge, const GroundPose& ground) {
+  std::optional<Eigen::Vector3d> nearest;
+  for (const Eigen::Vector3d& point : edge) {
+    if (is_ahead(point, ground) && (!nearest || ground.distance(point) < ground.distance(*nearest))) nearest = point;
+  }
+  return nearest;
+}
+
+/// Whether the ground is seen beside a point of a rim. Where a region is cut off by the border of the image, or of what can be
+/// matched, its outline is not its rim.
+bool is_beside_ground(const Eigen::Vector3d& point, const FrameView& view) {
+  constexpr int kReach = 12;  // px, as far as a region may be from what it touches (candidates.touching_gap_px)
+  constexpr int kStride = 3;  // px
+  if (!is_in_view(point, view.camera, view.level.size())) return false;
+  const Eigen::Vector3d pixel = view.camera.project(point);
+  const cv::Point place(cvRound(pixel.x()), cvRound(pixel.y()));
+  for (int dv = -kReach; dv <= kReach; dv += kStride) {
+    for (int du = -kReach; du <= kReach; du += kStride) {
+      const cv::Point p = place + cv::Point(du, dv);
+      if (p.inside({{0, 0}, view.level.size()}) && view.level(p) != 0) return true;
+    }
+  }
+  return false;
+}
+
+/// The edge as it is known after a sighting: what this frame shows of it, and what it does not show.
+std::vector<Eigen::Vector3d> update_edge(const std::vector<Eigen::Vector3d>& rim,
+                                         const std::vector<Eigen::Vector3d>& remembered, const FrameView& view) {
+  constexpr std::size_t kMaxPoints = 400;
+  std::vector<Eigen::Vector3d> edge;
+  if (view.is_ground_shown) {
+    std::ranges::copy_if(rim, std::back_inserter(edge), [&](const Eigen::Vector3d& p) { return is_beside_ground(p, view); });
+  }
+  const bool shows_edge = !edge.empty();
+  for (const Eigen::Vector3d& point : remembered) {
+    if (!shows_edge || !is_in_view(point, view.camera, view.level.size())) edge.push_back(point);
+  }
+  if (edge.size() <= kMaxPoints) return edge;
+  const std::size_t every = edge.size() / kMaxPoints + 1;
+  std::vector<Eigen::Vector3d> some;
+  for (std::size_t i = 0; i < edge.size(); i += every) some.push_back(edge[i]);
+  return some;
+}
+
+void place_at(Candidate& candidate, const Eigen::Vector3d& nearest, const GroundPose& ground) {
+  candidate.rim_nearest = nearest;
+  candidate.distance_m = ground.distance(nearest);
+  candidate.bearing_deg = ground.bearing_deg(nearest);
+}
+
+/// The nearest part of a seen drop may be out of view, below the image; then what is remembered of its edge counts.
+void add_hidden_edge(Candidate& candidate, const std::vector<Eigen::Vector3d>& edge, const FrameView& view) {
+  if (is_beside_ground(candidate.rim_nearest, view)) return;
+  const std::optional<Eigen::Vector3d> nearest = find_nearest_ahead(edge, view.ground);
+  if (!nearest || view.ground.distance(*nearest) >= candidate.distance_m) return;
+  place_at(candidate, *nearest, view.ground);
+  std::ranges::copy_if(edge, std::back_inserter(candidate.rim),
+                       [&](const Eigen::Vector3d& p) { return is_ahead(p, view.ground); });
+}
+
+/// Puts a remembered candidate into the image: where its opening must be, and which point of it is the nearest.
+/// @return whether any of it is ahead of the bearer.
+bool show(Candidate& candidate, const std::vector<cv::Point>& contour, const std::vector<Eigen::Vector3d>& opening,
+          const std::vector<Eigen::Vector3d>& edge, const FrameView& view) {
   constexpr double kSpacing = 0.05;  // m
   candidate.contour = contour;
-  candidate.area_px = static_cast<int>(cv::contourArea(contour));
+  candidate.area_px = contour.empty() ? 0 : static_cast<int>(cv::contourArea(contour));
   candidate.rim.clear();
   for (const Eigen::Vector3d& point : sample_edges(opening, kSpacing)) {
     if (is_in_view(point, view.camera, view.level.size())) candidate.rim.push_back(point);
   }
   const GroundPose& ground = view.ground;
-  if (!candidate.rim.empty()) {  // else the rim is all around the picture, and the nearest point the remembered one
-    candidate.width_m = compute_width(candidate.rim, ground);
-    candidate.rim_nearest = *std::ranges::min_element(candidate.rim, {}, [&](const auto& p) { return ground.distance(p); });
+  if (!candidate.rim.empty()) candidate.width_m = compute_width(candidate.rim, ground);
+  if (const std::optional<Eigen::Vector3d> nearest = find_nearest_ahead(edge, ground)) {
+    std::ranges::copy_if(edge, std::back_inserter(candidate.rim),
+                         [&](const Eigen::Vector3d& p) { return is_ahead(p, ground); });
+    place_at(candidate, *nearest, ground);
+    return true;
   }
-  candidate.distance_m = ground.distance(candidate.rim_nearest);
-  candidate.bearing_deg = ground.bearing_deg(candidate.rim_nearest);
+  if (!edge.empty()) return false;
+  const std::optional<Eigen::Vector3d> in_view = find_nearest_ahead(candidate.rim, ground);
+  place_at(candidate, in_view.value_or(candidate.rim_nearest), ground);
+  return is_ahead(candidate.rim_nearest, ground);
 }
 
 }  // namespace
@@ -145,11 +228,15 @@ std::vector<Track> Tracker::update(const std::vector<Candidate>& candidates,
                                    const std::optional<Eigen::Isometry3d>& current_from_previous, double time,
                                    const std::optional<FrameView>& view) {
   note_time(time);
+  const double step_s = time - placed_.value_or(time);
   const std::optional<Eigen::Isometry3d> motion = find_motion(current_from_previous, time);
   if (!motion) memories_.clear();
+  const bool is_blind = last_step_ && time - last_step_->end > params_.max_blind_s + kTolerance;
+  if (is_blind) std::erase_if(memories_, [](const Memory& memory) { return !memory.track.validated; });
   for (Memory& memory : memories_) {
     move(memory.track.candidate, *motion);
     move(memory.opening, *motion);
+    move(memory.edge, *motion);
   }
 
   // Each candidate goes on with a memory; of several that go on with one the nearest keeps its id.
@@ -169,22 +256,28 @@ std::vector<Track> Tracker::update(const std::vector<Candidate>& candidates,
     track.candidate = candidates[i];
     track.evidence = compute_evidence(candidates[i]);
     std::vector<Eigen::Vector3d> rim = candidates[i].rim;
+    std::vector<Eigen::Vector3d> edge;
     if (links[i]) {
       const Memory& memory = memories_[links[i]->memory];
       track.length = memory.track.length + 1;
       track.evidence = kNewest * track.evidence + (1.0 - kNewest) * memory.track.evidence;
       track.kind_votes = memory.track.kind_votes;
       if (view) append_out_of_view(rim, memory.opening, *view);
+      edge = memory.edge;
+    }
+    if (view && params_.max_coast_s > 0.0) {
+      edge = update_edge(candidates[i].rim, edge, *view);
+      add_hidden_edge(track.candidate, edge, *view);
     }
     track.kind_votes.add(track.candidate.kind);
     track.candidate.kind = track.kind_votes.winner();
     const bool keeps_id = links[i] && heirs.at(links[i]->memory) == i;
     track.id = keeps_id ? memories_[links[i]->memory].track.id : ++last_id_;
     judge(track);
-    memories.push_back({track, compute_hull(rim), time});
+    memories.push_back({track, compute_hull(rim), std::move(edge), time});
     tracks.push_back(std::move(track));
   }
-  coast(heirs, time, view, tracks, memories);
+  coast(heirs, time, step_s, view, tracks, memories);
   memories_ = std::move(memories);
   return tracks;
 }
@@ -207,42 +300,56 @@ std::optional<Tracker::Link> Tracker::find_nearest(const Candidate& candidate) c
   return nearest;
 }
 
-// What no candidate went on with: remembered while it is not too old; told, too, when it is validated and in view.
-void Tracker::coast(const std::map<std::size_t, std::size_t>& heirs, double time, const std::optional<FrameView>& view,
-                    std::vector<Track>& tracks, std::vector<Memory>& memories) const {
+// What no candidate went on with: remembered while it is not too old, or validated and not overlooked for too long; reported,
+// too, in the latter case.
+void Tracker::coast(const std::map<std::size_t, std::size_t>& heirs, double time, double step_s,
+                    const std::optional<FrameView>& view, std::vector<Track>& tracks, std::vector<Memory>& memories) const {
   const auto seen = static_cast<std::ptrdiff_t>(tracks.size());
   for (std::size_t i = 0; i < memories_.size(); ++i) {
     if (heirs.contains(i)) continue;
-    const Memory& memory = memories_[i];
+    Memory memory = memories_[i];
     const double unseen_s = time - memory.seen;
     const bool young = unseen_s <= params_.max_unseen_s + kTolerance;
-    Track track = memory.track;
+    Track& track = memory.track;
+    std::vector<cv::Point> contour;
+    Look look = Look::nothing;
+    if (view) {
+      contour = project_opening(memory.opening, view->camera, view->level.size());
+      look = look_at(contour, track.candidate.depth_m, *view);
+    }
     track.unseen_s = unseen_s;
+    if (look == Look::overlooked || look == Look::contradicted) track.overlooked_s += step_s;
     judge(track);
     const double seen_s = track.length * typical_step().value_or(kUsualStep);
-    const bool coasting = track.validated && unseen_s <= std::min(params_.max_coast_s, seen_s) + kTolerance;
+    const bool coasting = track.validated && params_.max_coast_s > 0.0 &&
+                          track.overlooked_s <= std::min(params_.max_coast_s, seen_s) + kTolerance;
     if (!young && !coasting) continue;
     if (!coasting || !view) {
-      memories.push_back(memory);
+      memories.push_back(std::move(memory));
       continue;
     }
     const auto took_its_place = [&memory](const Memory& other) { return overlap(other.opening, memory.opening); };
     if (std::any_of(memories.begin(), memories.begin() + seen, took_its_place)) continue;
-    const std::vector<cv::Point> contour = project_opening(memory.opening, view->camera, view->level.size());
-    const bool contradicted = is_contradicted(contour, memory.track.candidate.depth_m, *view);
-    if (young || !contradicted) memories.push_back(memory);
-    if (contradicted || contour.empty() || cv::contourArea(contour) < kLeastArea) continue;
-    show(track.candidate, contour, memory.opening, *view);
-    tracks.push_back(std::move(track));
+    if (look == Look::contradicted) {
+      if (young) memories.push_back(std::move(memory));
+      continue;
+    }
+    Track shown = track;
+    const bool is_ahead = show(shown.candidate, contour, memory.opening, memory.edge, *view);
+    if (shown.candidate.distance_m > kForgotten) continue;
+    memories.push_back(std::move(memory));
+    if (is_ahead) tracks.push_back(std::move(shown));
   }
 }
 
 void Tracker::miss(double time) {
   note_time(time);
-  if (placed_ && time - *placed_ > params_.max_blind_s + kTolerance) memories_.clear();
+  if (!placed_ || time - *placed_ <= params_.max_blind_s + kTolerance) return;
+  const bool is_lost = time - *placed_ > params_.max_coast_s + kTolerance;
+  std::erase_if(memories_, [is_lost](const Memory& memory) { return is_lost || !memory.track.validated; });
 }
 
-// The motion since the last update: measured, or for a short while the last one going on. The first frame of all has none, and
+// The motion since the last update: measured, or for a while the last one going on. The first frame of all has none, and
 // nothing to move.
 std::optional<Eigen::Isometry3d> Tracker::find_motion(const std::optional<Eigen::Isometry3d>& measured, double time) {
   const double duration_s = time - std::exchange(placed_, time).value_or(time);
@@ -250,7 +357,8 @@ std::optional<Eigen::Isometry3d> Tracker::find_motion(const std::optional<Eigen:
     last_step_ = Step{*measured, duration_s, time};
     return measured;
   }
-  if (last_step_ && (last_step_->duration_s <= 0.0 || time - last_step_->end > params_.max_blind_s + kTolerance)) {
+  const double longest_s = std::max(params_.max_blind_s, params_.max_coast_s);
+  if (last_step_ && (last_step_->duration_s <= 0.0 || time - last_step_->end > longest_s + kTolerance)) {
     last_step_.reset();
   }
   if (!last_step_) return std::nullopt;
@@ -280,11 +388,12 @@ void Tracker::judge(Track& track) const {
   constexpr double kConstant = -1.224;
   constexpr double kEvidence = 1.267;
   constexpr double kSightings = 0.340;  // of the logarithm of those that 15 frames a second would give
-  constexpr double kUnseen = -2.756;    // for each second
+  constexpr double kUnseen = -2.756;    // for each second in which it was overlooked
   track.validated = track.length >= required_sightings();
   if (params_.min_probability <= 0.0) return;
   const double sightings = track.length * typical_step().value_or(kUsualStep) / kUsualStep;
-  const double log_odds = kConstant + kEvidence * track.evidence + kSightings * std::log(sightings) + kUnseen * track.unseen_s;
+  const double log_odds =
+      kConstant + kEvidence * track.evidence + kSightings * std::log(sightings) + kUnseen * track.overlooked_s;
   track.probability = to_probability(log_odds);
   track.validated = track.validated && *track.probability >= params_.min_probability;
 }
