@@ -10,10 +10,22 @@
 #include "ground/range.hpp"
 
 namespace brink {
+namespace {
+
+/// Whether a pixel lies on a plane; so do those outside of the image, of which nothing is known.
+bool is_on(int u, int v, const GroundPlane& plane, const cv::Mat1f& disparity, const GroundParams& params) {
+  if (v < 0 || v >= disparity.rows) return true;
+  const float d = disparity(v, u);
+  return d > 0.0F && std::abs(d - plane.disparity(u, v)) <= ground_tolerance_px(d, params);
+}
+
+}  // namespace
 
 PlaneCounts count_pixels(const GroundPlane& plane, const cv::Mat1f& disparity, const GroundSamples& samples,
                          const GroundParams& params) {
   constexpr double kClearly = 3.0;  // bands below the plane
+  constexpr double kApart = 0.03;   // of the image's height: farther than the band of a wall that crosses the plane
+  const int apart = std::max(1, static_cast<int>(kApart * disparity.rows));
   const StereoCamera& camera = samples.camera;
   const GroundPose pose = compute_ground_pose(plane, camera);
   const int step = samples.step;
@@ -36,7 +48,10 @@ PlaneCounts count_pixels(const GroundPlane& plane, const cv::Mat1f& disparity, c
       ++counts.valid;
       const double residual = d - plane.disparity(u, v);
       const double tolerance = ground_tolerance_px(d, params);
-      if (std::abs(residual) <= tolerance) residuals.push_back(static_cast<float>(std::abs(residual)));
+      if (std::abs(residual) <= tolerance) {
+        counts.level += is_on(u, v - apart, plane, disparity, params) && is_on(u, v + apart, plane, disparity, params) ? 1 : 0;
+        residuals.push_back(static_cast<float>(std::abs(residual)));
+      }
       if (residual < -kClearly * tolerance) ++counts.below;
     }
   }

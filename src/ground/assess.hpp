@@ -17,6 +17,7 @@ struct PlaneCounts {
   std::size_t expected = 0;  ///< all of them
   std::size_t valid = 0;     ///< with a disparity
   std::size_t on = 0;        ///< on the plane
+  std::size_t level = 0;     ///< of these, with the plane going on above and below them in the image: no wall that crosses it
   std::size_t below = 0;     ///< clearly below it: the ground is not there
   double residual_px = 0.0;  ///< robust standard deviation of the disparities on the plane
 };

@@ -68,10 +68,8 @@ std::optional<NearSurface> find_near_surface(const std::vector<StripSample>& str
     return std::abs(s.elevation_m - surface.elevation_m) <= std::max(kBand, s.tolerance_m);
   };
   if (surface.elevation_m < kStep) return std::nullopt;
-  if (std::count_if(strip.begin(), strip.begin() + static_cast<std::ptrdiff_t>(count), lies_on) <
-      kMost * static_cast<double>(count)) {
-    return std::nullopt;
-  }
+  const auto lying = std::count_if(strip.begin(), strip.begin() + static_cast<std::ptrdiff_t>(count), lies_on);
+  if (static_cast<double>(lying) < kMost * static_cast<double>(count)) return std::nullopt;
   // It ends where the strip shows something else for longer than a tenth of its samples.
   std::size_t others = 0;
   const double start = strip.front().ahead_m;
@@ -168,14 +166,14 @@ Overlap compare_planes(const GroundPlane& first, const GroundPlane& second, cons
 /// Why a plane is not the ground although it is plausible: it is the unconstrained one, bent to meet a limit.
 std::string find_broken_limit(const std::optional<GroundPlane>& plausible_plane, const GroundSamples& samples,
                               const GroundParams& params, const std::optional<Eigen::Vector3d>& gravity) {
-  constexpr double kSame = 0.7;      // share of a bent plane's samples that the unconstrained one explains, too
-  constexpr double kDominant = 0.5;  // share of all samples of a plane that is worth naming when there is no other
+  constexpr double kSame = 0.4;      // share of a bent plane's samples that the unconstrained one explains, too
+  constexpr double kDominant = 0.5;  // share of all samples that the unconstrained one has
   const GroundPlane unconstrained = find_unconstrained_plane(samples, params);
   if (unconstrained.a == 0.0 && unconstrained.b == 0.0 && unconstrained.c == 0.0) return {};
   const std::string limits = name_limits(compute_ground_pose(unconstrained, samples.camera), params, gravity);
   if (limits.empty()) return {};
   const Overlap overlap = compare_planes(plausible_plane.value_or(unconstrained), unconstrained, samples, params);
-  const bool bent = overlap.on_both >= kSame * overlap.on_first && overlap.on_second > overlap.on_first;
+  const bool bent = overlap.on_both >= kSame * overlap.on_first && overlap.on_second >= std::max(kDominant, overlap.on_first);
   const bool alone = !plausible_plane && overlap.on_second >= kDominant;
   return (plausible_plane && bent) || alone ? limits : std::string();
 }

@@ -228,7 +228,7 @@ GroundTracker::State::Choice GroundTracker::State::judge(const GroundPlane& plan
   choice.plane = plane;
   choice.pose = compute_ground_pose(plane, samples.camera);
   choice.counts = count_pixels(plane, disparity, samples, params);
-  const auto on = static_cast<double>(choice.counts.on);
+  const auto on = static_cast<double>(choice.counts.level);
   const auto all = static_cast<double>(samples.size.area()) / (samples.step * samples.step);
   // Where the view goes through the plane, the ground ends; that says nothing against it.
   const double expected = static_cast<double>(choice.counts.expected) - static_cast<double>(choice.counts.below);

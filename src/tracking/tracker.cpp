@@ -124,23 +124,42 @@ bool is_beside_ground(const Eigen::Vector3d& point, const FrameView& view) {
   return false;
 }
 
-/// The edge as it is known after a sighting: what this frame shows of it, and what it does not show.
+/// Whether the ground goes on around a point: no edge is there.
+bool is_on_ground(const Eigen::Vector3d& point, const FrameView& view) {
+  constexpr int kAround = 5;  // px
+  const Eigen::Vector3d pixel = view.camera.project(point);
+  const cv::Rect window(cvRound(pixel.x()) - kAround, cvRound(pixel.y()) - kAround, 2 * kAround + 1, 2 * kAround + 1);
+  const cv::Rect inside = window & cv::Rect({0, 0}, view.level.size());
+  return view.is_ground_shown && inside.area() > 0 && cv::countNonZero(view.level(inside)) == inside.area();
+}
+
+/// The edge as it is known after a sighting: what this frame shows of it, and what was seen before and is neither found anew
+/// nearby nor replaced by ground.
 std::vector<Eigen::Vector3d> update_edge(const std::vector<Eigen::Vector3d>& rim,
                                          const std::vector<Eigen::Vector3d>& remembered, const FrameView& view) {
-  constexpr std::size_t kMaxPoints = 400;
+  constexpr std::size_t kMaxPoints = 150;
+  constexpr double kSameEdge = 0.3;  // m
+  const auto thin_out = [](std::vector<Eigen::Vector3d>& points) {
+    if (points.size() <= kMaxPoints) return;
+    const std::size_t every = points.size() / kMaxPoints + 1;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < points.size(); i += every) points[kept++] = points[i];
+    points.resize(kept);
+  };
   std::vector<Eigen::Vector3d> edge;
   if (view.is_ground_shown) {
     std::ranges::copy_if(rim, std::back_inserter(edge), [&](const Eigen::Vector3d& p) { return is_beside_ground(p, view); });
+    thin_out(edge);
   }
-  const bool shows_edge = !edge.empty();
+  const auto found = static_cast<std::ptrdiff_t>(edge.size());
   for (const Eigen::Vector3d& point : remembered) {
-    if (!shows_edge || !is_in_view(point, view.camera, view.level.size())) edge.push_back(point);
+    const auto is_near = [&point](const Eigen::Vector3d& other) { return (other - point).norm() < kSameEdge; };
+    const bool in_view = is_in_view(point, view.camera, view.level.size());
+    if (in_view && (std::any_of(edge.begin(), edge.begin() + found, is_near) || is_on_ground(point, view))) continue;
+    edge.push_back(point);
   }
-  if (edge.size() <= kMaxPoints) return edge;
-  const std::size_t every = edge.size() / kMaxPoints + 1;
-  std::vector<Eigen::Vector3d> some;
-  for (std::size_t i = 0; i < edge.size(); i += every) some.push_back(edge[i]);
-  return some;
+  thin_out(edge);
+  return edge;
 }
 
 void place_at(Candidate& candidate, const Eigen::Vector3d& nearest, const GroundPose& ground) {
