@@ -252,7 +252,7 @@ void Detector::report(const Frame& frame, Detection& detection) {
                      .ground = detection.ground.pose,
                      .level = select_level(detection.elevation, params_.candidates.ground_tolerance_m),
                      .below = cv::Mat1b(detection.elevation <= -params_.candidates.min_depth_m),
-                     .is_ground_shown = detection.ground.state == GroundState::seen};
+                     .is_ground_shown = !detection.ground.is_carried};
   }
   walk_.update(current_from_previous, frame.time);
   const auto time_to_edge = [&](const Candidate& candidate) -> std::optional<double> {

@@ -89,6 +89,7 @@ struct GroundEstimate {
   GroundPose pose;                   ///< of plane; without meaning when plane is empty
   double inlier_ratio = 0.0;         ///< share of the valid pixels below the horizon and in range that lie on the ground
   double residual_px = 0.0;          ///< robust standard deviation of the disparities on the ground
+  bool is_carried = false;           ///< not measured in this frame, but carried on from earlier ones (GroundTracker)
 };
 
 /// Section III.C.2: the ground as the dominant line of the v-disparity histogram, the histogram being sheared to allow for

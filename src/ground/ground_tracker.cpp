@@ -280,7 +280,13 @@ std::optional<GroundTracker::State::Choice> GroundTracker::State::find_continuat
   const bool is_refined = goes_on(refined);
   std::optional<Choice> choice;
   if (free) choice = judge(free->plane);
-  if (is_refined && (!choice || !choice->is_shown || score_near(refined) > kClearlyBetter * score_near(free->plane))) {
+  // What is tilted against the ground before must be seen well: a plane through the edges of steps is not.
+  const double tilt_deg = choice ? angle_deg(choice->pose.down, ground->down) : 0.0;
+  if (choice && tilt_deg > kUnevenDeg + 3.0 * tilt_sd_deg && choice->confidence < params.seen_confidence) {
+    choice.reset();
+    free.reset();
+  }
+  if (is_refined && (!choice || !choice->is_shown || score_near(refined) > kClearlyBetter * score_near(choice->plane))) {
     choice = judge(refined);
   }
   return choice;
@@ -365,6 +371,7 @@ GroundEstimate GroundTracker::State::carry(double time, const std::string& why) 
   }
   GroundEstimate estimate;
   estimate.state = GroundState::uncertain;
+  estimate.is_carried = true;
   estimate.reason = why;
   estimate.pose = *ground;
   estimate.plane = make_ground_plane(*ground, samples.camera);

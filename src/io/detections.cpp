@@ -40,6 +40,7 @@ Json ground(const Detection& detection) {
   Json json = {{"state", to_string(estimate.state)}};
   if (!estimate.reason.empty()) json["reason"] = estimate.reason;
   json["confidence"] = rounded(estimate.confidence, kShareDigits);
+  if (estimate.is_carried) json["carried"] = true;
   const bool known = estimate.plane.has_value();
   json["height_m"] = known ? rounded(estimate.pose.height_m, kMetreDigits) : Json();
   json["pitch_deg"] = known ? rounded(estimate.pose.pitch_deg, kDegreeDigits) : Json();
