@@ -315,6 +315,16 @@ struct EvaluationSummary {
 /// @throws std::invalid_argument when there is no sequence or the parameters are not valid.
 EvaluationSummary summarise(const std::vector<SequenceScore>& sequences, const EvaluationParams& params = {});
 
+/// Sequences of one domain, as simulated stairs or recordings of one camera.
+struct DomainSummary {
+  std::string name;  ///< that of its sequences up to the last underscore; the whole name where there is none
+  EvaluationSummary summary;
+};
+/// Sequences pooled by domain, in the order in which the domains first appear. A pooled figure hides the domain that fails.
+/// @throws std::invalid_argument as summarise does.
+std::vector<DomainSummary> summarise_by_domain(const std::vector<SequenceScore>& sequences,
+                                               const EvaluationParams& params = {});
+
 /// One figure of two runs over the same sequences.
 struct Comparison {
   std::string name;  ///< "settled TPR", ...

@@ -55,6 +55,24 @@ std::string detection_table(const std::vector<SequenceScore>& sequences, const E
   return text + paper_row("paper, all", frames, counts);
 }
 
+// With one domain only it would repeat the pooled figures.
+std::string domain_table(const std::vector<SequenceScore>& sequences, const EvaluationParams& params) {
+  const std::vector<DomainSummary> domains = summarise_by_domain(sequences, params);
+  if (domains.size() < 2) return "";
+  std::string text =
+      "| domain | sequences | settled TPR | settled PPV | events missed | held | dropped warnings | false silence | episodes "
+      "|\n|---|---|---|---|---|---|---|---|---|\n";
+  for (const auto& [name, one] : domains) {
+    const bool is_measured = one.reported_ahead.has_value();
+    text += fmt::format("| {} | {} | {} | {} | {} of {} | {} | {} | {} | {} |\n", name, one.sequences, share(one.settled_tpr),
+                        share(one.settled_ppv), one.missed, one.events, share(one.held),
+                        is_measured ? std::to_string(one.ahead.dropped) : "-",
+                        is_measured ? fmt::format("{} of {}", one.ahead.silent_frames, one.ahead.frames) : "-",
+                        one.episodes_per_minute ? std::to_string(one.episodes) : "-");
+  }
+  return text + "\n";
+}
+
 std::string range_table(const EvaluationSummary& summary) {
   std::string text = "| rim distance, m | instances | raw TPR | settled instances | settled TPR |\n|---|---|---|---|---|\n";
   for (const EvaluationSummary::RangeBin& bin : summary.recall_by_range) {
@@ -128,7 +146,7 @@ std::string plus_minus(const MeanAndDeviation& value) { return fmt::format("{:.4
 std::string to_text(const std::vector<SequenceScore>& sequences, const EvaluationParams& params) {
   const EvaluationSummary summary = summarise(sequences, params);
   std::string text = detection_table(sequences, summary, params) + "\n" + range_table(summary) + "\n" + depth_table(summary) +
-                     event_lines(summary, params);
+                     domain_table(sequences, params) + event_lines(summary, params);
   text += fmt::format("Distance error of {} detections: median {} m, p95 {} m; bearing error: median {} deg, p95 {} deg\n",
                       summary.localised, number(summary.distance_error_median_m, 3), number(summary.distance_error_p95_m, 3),
                       number(summary.bearing_error_median_deg, 2), number(summary.bearing_error_p95_deg, 2));

@@ -124,6 +124,12 @@ std::string to_json(const EvaluationSummary& summary) {
        {"kinds", {{"detections", summary.kinds}, {"accuracy", number(summary.kind_accuracy)}}}});
 }
 
+std::string to_json(const std::vector<DomainSummary>& domains) {
+  Json json = Json::object();
+  for (const DomainSummary& domain : domains) json[domain.name] = Json::parse(to_json(domain.summary));
+  return finished(json);
+}
+
 std::string to_json(const std::vector<Comparison>& comparisons) {
   Json list = Json::array();
   for (const Comparison& one : comparisons) {

@@ -360,5 +360,40 @@ TEST(EmptyContour, IsNeitherHitNorFalseAndReportsTheEdgeByItsDistance) {
   EXPECT_NE(coco.text().find("\"annotations\": []"), std::string::npos) << coco.text();
 }
 
+TEST(ByDomain, GroupsSequencesByTheirNamesUpToTheLastUnderscore) {
+  SequenceScore stairs = walk(repeat({{7, kHit}}));
+  SequenceScore more_stairs = walk(repeat({{1, kHit}, {6, kSilent}}));
+  SequenceScore quay = walk(repeat({{7, kSilent}}));
+  stairs.name = "wide_stairs_101";
+  quay.name = "quay";
+  more_stairs.name = "wide_stairs_102";
+  const std::vector<DomainSummary> domains = summarise_by_domain({stairs, quay, more_stairs});
+  ASSERT_EQ(domains.size(), 2U);
+  EXPECT_EQ(domains[0].name, "wide_stairs");
+  EXPECT_EQ(domains[0].summary.sequences, 2);
+  EXPECT_EQ(domains[0].summary.held->value, 8.0 / 14.0);
+  EXPECT_EQ(domains[1].name, "quay");
+  EXPECT_EQ(domains[1].summary.missed, 1);
+  quay.name = "_5";
+  EXPECT_EQ(summarise_by_domain({quay}).at(0).name, "_5");
+}
+
+TEST(ByDomain, IsATableBelowThePooledOne) {
+  SequenceScore stairs = walk(repeat({{1, kHit}, {6, kSilent}}));
+  SequenceScore quay = walk(repeat({{7, kSilent}}));
+  SequenceScore older = walk(repeat({{7, kHit}}));
+  stairs.name = "stairs_1";
+  quay.name = "quay_1";
+  older.name = "older_1";
+  for (FrameScore& frame : older.frames) frame.edges_ahead.reset();
+  older.events[0].held.reset();
+  const std::string text = to_text({stairs, quay, older});
+  EXPECT_NE(text.find("| stairs | 1 | 0.000 | - | 0 of 1 | 0.143 | 1 | 1 of 1 | 0 |\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("| quay | 1 | 0.000 | - | 1 of 1 | - | 0 | 1 of 1 | 0 |\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("| older | 1 | 1.000 | 1.000 | 0 of 1 | - | - | - | 0 |\n"), std::string::npos) << text;
+  EXPECT_EQ(to_text({stairs}).find("| domain |"), std::string::npos);  // one domain: the pooled table says it all
+  EXPECT_NE(to_json(summarise_by_domain({stairs, quay})).find("\"quay\": {"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace brink
