@@ -158,7 +158,7 @@ AheadCounts FrameScore::ahead() const {
     counts.dropped += edge.dropped ? 1 : 0;
   }
   counts.frames = counts.settled > 0 ? 1 : 0;
-  const bool is_silent = status == FrameStatus::ok && ground == GroundState::seen && detections.empty();
+  const bool is_silent = ground == GroundState::seen && detections.empty();
   counts.silent_frames = is_silent ? counts.frames : 0;
   return counts;
 }
