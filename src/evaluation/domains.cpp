@@ -25,6 +25,7 @@ std::vector<DomainSummary> summarise_by_domain(const std::vector<SequenceScore>&
     domain->second.push_back(sequence);
   }
   std::vector<DomainSummary> summaries;
+  summaries.reserve(domains.size());
   for (const auto& [name, scores] : domains) summaries.push_back({name, summarise(scores, params)});
   return summaries;
 }
