@@ -114,6 +114,7 @@ std::string evaluate_detections(const EvaluateOptions& options) {
   if (!options.json) return to_text(scores, options.params);
   Json json = Json::parse(to_json(scores, options.params));
   json["summary"] = Json::parse(to_json(summarise(scores, options.params)));
+  json["by_domain"] = Json::parse(to_json(summarise_by_domain(scores, options.params)));
   return json.dump() + "\n";
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +28,10 @@ struct EvaluationParams {
   double event_range_m = 3.0;     ///< an approach that comes nearer than this is an event
   double warn_range_m = 2.0;      ///< warned in time: validated at this distance or farther
   double warn_delay_s = 0.5;      ///< ... or this soon after an instance that appears nearer than that
+  double ahead_range_m = 2.0;     ///< the last metres: an edge lies ahead when its nearest rim point is within this
+  double ahead_deg = 60.0;        ///< ... and within this of where the camera looks, in the ground plane
+  double claim_error_m = 0.3;     ///< there, an obstacle that is off by no more than this reports an edge, too
+  double dropped_s = 0.3;         ///< a warning that is silent for this long there has been dropped
   double episode_radius_m = 0.5;  ///< false detections this near to each other are one episode
   double episode_gap_s = 0.5;     ///< ... and this soon after each other
   int block_frames = 15;          ///< frames are resampled in blocks, as neighbours tell the same
@@ -101,6 +106,29 @@ struct DetectionScore {
   std::optional<ObstacleKind> true_kind;
 };
 
+/// An instance, min_depth_m deep and seen before or now, whose edge lies ahead of the bearer in one frame: its nearest rim
+/// point, seen or not, is within ahead_range_m and ahead_deg, and the bearer has not passed it.
+struct EdgeAhead {
+  int id = 0;
+  double distance_m = 0.0;  ///< true distance of the nearest rim point, seen or not
+  bool settled = false;     ///< settle_s or more after it appeared on this approach
+  bool reported = false;    ///< a detection hits it, or one that hits nothing is right about its distance
+  bool warned = false;      ///< reported in this frame or in an earlier one of the same approach
+  bool dropped = false;     ///< a silence after a warning reaches dropped_s in this frame
+};
+
+/// Counts over the frames in which edges lie ahead.
+struct AheadCounts {
+  int settled = 0;        ///< settled edges
+  int reported = 0;       ///< of these reported
+  int warned = 0;         ///< edges from the first warning of their approach on
+  int held = 0;           ///< of these reported
+  int dropped = 0;        ///< dropped warnings
+  int frames = 0;         ///< frames with at least one settled edge
+  int silent_frames = 0;  ///< of these in false silence: the ground is seen, and no obstacle is reported
+  AheadCounts& operator+=(const AheadCounts& other);
+};
+
 struct FrameScore {
   int frame = 0;
   double time = 0.0;  ///< s
@@ -109,8 +137,11 @@ struct FrameScore {
   std::vector<InstanceScore> instances;
   std::vector<DetectionScore> detections;  ///< the obstacles within max_range_m
   int fragments = 0;                       ///< of the raw rates
+  /// Empty in scores of older versions.
+  std::optional<std::vector<EdgeAhead>> edges_ahead = std::nullopt;
   [[nodiscard]] Counts raw() const;
   [[nodiscard]] Counts settled() const;
+  [[nodiscard]] AheadCounts ahead() const;
 };
 
 /// One instance, min_depth_m deep, on one approach that comes nearer than event_range_m. An approach begins when the instance
@@ -124,6 +155,9 @@ struct ApproachEvent {
   std::optional<double> warned_distance_m;  ///< true distance there
   std::optional<double> lead_time_s;        ///< from there to the smallest distance; 0 when that lies before
   bool in_time = false;  ///< warned_distance_m >= warn_range_m, or first_distance_m below that and warned within warn_delay_s
+  /// Share of the frames with the edge ahead, from the first warning on, in which it is reported. Empty when there is no such
+  /// frame, and in scores of older versions.
+  std::optional<double> held = std::nullopt;
 };
 
 /// False detections (of the settled rates) at the same place, whatever their ids: each joins the episode whose last place is
@@ -145,12 +179,18 @@ struct SequenceScore {
   std::vector<Episode> episodes;  ///< in order of their beginning; empty, too, without poses: then nothing can be said of them
 };
 
+class LastMetres;
+
 /// Goes through one sequence, frame by frame in order of time, with its truth beside it.
 class SequenceEvaluator {
  public:
   /// @throws std::invalid_argument when the parameters are not valid.
   /// @param rules that the detections were made with: what the envelope goes by.
   explicit SequenceEvaluator(std::string name, const EvaluationParams& params = {}, const CandidateParams& rules = {});
+
+  ~SequenceEvaluator();
+  SequenceEvaluator(const SequenceEvaluator&) = delete;
+  SequenceEvaluator& operator=(const SequenceEvaluator&) = delete;
 
   /// @throws std::invalid_argument when the frame numbers differ, frames or times do not increase, or an obstacle's contour
   /// leaves
@@ -172,6 +212,8 @@ class SequenceEvaluator {
     std::size_t last_index = 0;  // of the frame in which it was seen last
     int sightings = 0;           // frames in a row up to that
     int expected_sightings = 0;  // of these the last ones in a row in which the envelope has it seen
+    int warned = 0;              // frames with the edge ahead, from the first warning on
+    int held = 0;                // of these reported
   };
   // What one detection hits, by the rules.
   struct Judgement {
@@ -183,6 +225,7 @@ class SequenceEvaluator {
   InstanceScore score_instance(const VisibleInstance& instance, const FrameTruth& truth, const Detection& detection);
   DetectionScore score_detection(const NegativeObstacle& obstacle, const Judgement& judgement, const FrameTruth& truth);
   void note_warnings(const FrameTruth& truth, const FrameMatch& match);
+  void note_edges(const std::vector<EdgeAhead>& edges);
   void note_false_alarm(DetectionScore& detection, const Eigen::Vector3d& place, const FrameTruth& truth);
 
   EvaluationParams params_;
@@ -190,9 +233,10 @@ class SequenceEvaluator {
   SequenceScore score_;
   std::vector<Approach> approaches_;            // in order of their beginning
   std::map<int, std::size_t> latest_approach_;  // by id, index in approaches_
-  std::vector<double> episode_times_;           // s, when each of the episodes was last seen
-  std::vector<double> position_times_;          // s
-  std::vector<Eigen::Vector3d> positions_;      // of the camera at those times, world, m
+  std::unique_ptr<LastMetres> last_metres_;
+  std::vector<double> episode_times_;       // s, when each of the episodes was last seen
+  std::vector<double> position_times_;      // s
+  std::vector<Eigen::Vector3d> positions_;  // of the camera at those times, world, m
 };
 
 /// A figure with its 95 % interval.
@@ -238,6 +282,13 @@ struct EvaluationSummary {
   int late = 0;                            ///< warned, not in time
   std::optional<Estimate> warned_in_time;  ///< share of the events
   std::optional<double> first_warning_min_m, first_warning_median_m, lead_time_min_s, lead_time_median_s;
+  /// The last metres. Shares are empty without an edge ahead; dropped_per_minute, of the recording, without poses; all of them
+  /// for scores of older versions.
+  AheadCounts ahead;
+  std::optional<Estimate> reported_ahead;  ///< share of the settled edges ahead that are reported
+  std::optional<Estimate> held, dropped_per_minute;
+  std::optional<Estimate> false_silence;  ///< share of the frames with a settled edge ahead
+  std::optional<double> held_min;         ///< of the events
   int episodes = 0;
   std::optional<Estimate> episodes_per_minute, episodes_per_100m;  ///< empty without poses
   std::optional<double> distance_error_median_m, distance_error_p95_m, bearing_error_median_deg, bearing_error_p95_deg;
@@ -264,6 +315,16 @@ struct EvaluationSummary {
 /// @throws std::invalid_argument when there is no sequence or the parameters are not valid.
 EvaluationSummary summarise(const std::vector<SequenceScore>& sequences, const EvaluationParams& params = {});
 
+/// Sequences of one domain, as simulated stairs or recordings of one camera.
+struct DomainSummary {
+  std::string name;  ///< that of its sequences up to the last underscore; the whole name where there is none
+  EvaluationSummary summary;
+};
+/// Sequences pooled by domain, in the order in which the domains first appear. A pooled figure hides the domain that fails.
+/// @throws std::invalid_argument as summarise does.
+std::vector<DomainSummary> summarise_by_domain(const std::vector<SequenceScore>& sequences,
+                                               const EvaluationParams& params = {});
+
 /// One figure of two runs over the same sequences.
 struct Comparison {
   std::string name;  ///< "settled TPR", ...
@@ -274,8 +335,8 @@ struct Comparison {
   /// The whole interval lies on the wrong side of 0.
   [[nodiscard]] bool is_worse() const { return more_is_better ? difference.high < 0.0 : difference.low > 0.0; }
 };
-/// Raw and settled TPR and PPV, share of events warned in time, false-alarm episodes per minute, distance error (median). What
-/// one of both does not have is left out.
+/// Raw and settled TPR and PPV, share of events warned in time, the four figures of the last metres, false-alarm episodes per
+/// minute, distance error (median). What one of both does not have is left out.
 /// @throws std::invalid_argument when the runs are not of the same sequences, frames and events.
 std::vector<Comparison> compare(const std::vector<SequenceScore>& a, const std::vector<SequenceScore>& b,
                                 const EvaluationParams& params = {});

@@ -30,7 +30,8 @@ inline constexpr std::array<PaperRow, 3> kPaperRows{{{"paper S1, stairs", 213, {
 // Tables for people, in Markdown. Rates are shares, their 95 % intervals stand in brackets; "-" = nothing to count.
 
 /// Tables II and III for each sequence and pooled, beside the paper's; then recall by range and by depth beside the envelope,
-/// events, false alarms, localisation, ground and calibration, pooled.
+/// a row for each domain where there are several, events, the last metres, false alarms, localisation, ground and calibration,
+/// pooled.
 /// @throws std::invalid_argument as summarise does.
 std::string to_text(const std::vector<SequenceScore>& sequences, const EvaluationParams& params = {});
 std::string to_text(const std::vector<Comparison>& comparisons);
@@ -39,12 +40,14 @@ std::string to_text(const DisparityErrors& errors);
 
 // The same for programs, JSON.
 std::string to_json(const EvaluationSummary& summary);
+std::string to_json(const std::vector<DomainSummary>& domains);  ///< an object: the summary of each domain by its name
 std::string to_json(const std::vector<Comparison>& comparisons);
 std::string to_json(const TrajectoryErrors& errors);
 std::string to_json(const DisparityErrors& errors);
 
 /// Collects detections as a COCO data set: one image a frame, one annotation an obstacle (segmentation: its contour; bbox;
-/// area; score: its probability, 1 when it tells none), one category "negative_obstacle".
+/// area; score: its probability, 1 when it tells none), one category "negative_obstacle". Remembered obstacles without a
+/// contour are left out.
 class CocoWriter {
  public:
   CocoWriter();

@@ -27,12 +27,23 @@ struct VisibleInstance {
   ObstacleKind kind = ObstacleKind::unknown;
 };
 
+/// Where the rim of a negative obstacle lies, whether this frame shows any of it or not. All of it in the plane of the rim.
+struct RimPlace {
+  int id = 0;
+  double depth_m = 0.0;
+  double distance_m = 0.0;   ///< of the nearest point of the rim, from the foot of the camera's perpendicular
+  double bearing_deg = 0.0;  ///< of that point, from the optical axis laid onto the plane, positive right
+  double height_m = 0.0;     ///< of the camera over the plane; negative below it (for a camera held upside down: above it)
+  bool is_inside = false;    ///< the foot of the camera's perpendicular lies in the opening
+};
+
 /// What is true of one frame.
 struct FrameTruth {
   int frame = 0;
   double time = 0.0;                                   ///< s
   cv::Mat1b negative;                                  ///< id of the negative obstacle seen, 0 = none, 255 = not labelled
   std::vector<VisibleInstance> instances;              ///< those with at least one pixel in `negative`, ascending id
+  std::vector<RimPlace> rims;                          ///< of all instances whose rim and the camera's pose are known
   std::optional<Eigen::Isometry3d> world_from_camera;  ///< world = left camera of frame 0
   std::optional<StereoCamera> camera;                  ///< empty when the sequence has no calibration
 };
@@ -84,5 +95,9 @@ struct RimSighting {
 /// @throws std::invalid_argument when the polygon has no plane or the disparity is not of that size.
 RimSighting find_nearest_rim(const std::vector<Eigen::Vector3d>& opening, const StereoCamera& camera, const cv::Size& size,
                              const cv::Mat1f& disparity);
+
+/// Where a rim lies around a camera, seen or not. `id` and `depth_m` are left at 0.
+/// @param opening as for find_nearest_rim. @throws std::invalid_argument when the polygon has no plane.
+RimPlace locate_rim(const std::vector<Eigen::Vector3d>& opening);
 
 }  // namespace brink

@@ -15,13 +15,17 @@ struct ComparedFigure {
   bool more_is_better;
 };
 
-constexpr std::array<ComparedFigure, 7> kFigures = {{{"raw TPR", raw_tpr, true},
-                                                     {"raw PPV", raw_ppv, true},
-                                                     {"settled TPR", settled_tpr, true},
-                                                     {"settled PPV", settled_ppv, true},
-                                                     {"events warned in time", warned_in_time, true},
-                                                     {"false-alarm episodes per minute", episodes_per_minute, false},
-                                                     {"distance error, median, m", median_distance_error, false}}};
+constexpr std::array<ComparedFigure, 11> kFigures = {{{"raw TPR", raw_tpr, true},
+                                                      {"raw PPV", raw_ppv, true},
+                                                      {"settled TPR", settled_tpr, true},
+                                                      {"settled PPV", settled_ppv, true},
+                                                      {"events warned in time", warned_in_time, true},
+                                                      {"reported in the last metres", reported_ahead, true},
+                                                      {"held in the last metres", held, true},
+                                                      {"dropped warnings per minute", dropped_per_minute, false},
+                                                      {"false silence", false_silence, false},
+                                                      {"false-alarm episodes per minute", episodes_per_minute, false},
+                                                      {"distance error, median, m", median_distance_error, false}}};
 
 [[noreturn]] void refuse(const std::string& what, const std::string& a, const std::string& b) {
   throw std::invalid_argument(fmt::format("{} = {} and {}, must be equal to be compared", what, a, b));

@@ -13,6 +13,8 @@ namespace {
 
 std::string share(const std::optional<double>& value) { return value ? fmt::format("{:.3f}", *value) : "-"; }
 
+std::string share(const std::optional<Estimate>& estimate) { return estimate ? share(estimate->value) : "-"; }
+
 std::string number(const std::optional<double>& value, int digits) {
   return value ? fmt::format("{:.{}f}", *value, digits) : "-";
 }
@@ -24,8 +26,7 @@ std::string with_interval(const std::optional<Estimate>& estimate, int digits) {
 
 std::string row_of(const std::string& name, const EvaluationSummary& summary, bool intervals) {
   const auto rate = [intervals](const std::optional<Estimate>& estimate) {
-    if (intervals) return with_interval(estimate, 3);
-    return estimate ? share(estimate->value) : "-";
+    return intervals ? with_interval(estimate, 3) : share(estimate);
   };
   return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", name, summary.frames, summary.instances,
                      summary.raw.tp, summary.raw.fn, summary.raw.fp, summary.fragments, rate(summary.raw_tpr),
@@ -54,6 +55,24 @@ std::string detection_table(const std::vector<SequenceScore>& sequences, const E
   return text + paper_row("paper, all", frames, counts);
 }
 
+// With one domain only it would repeat the pooled figures.
+std::string domain_table(const std::vector<SequenceScore>& sequences, const EvaluationParams& params) {
+  const std::vector<DomainSummary> domains = summarise_by_domain(sequences, params);
+  if (domains.size() < 2) return "";
+  std::string text =
+      "| domain | sequences | settled TPR | settled PPV | events missed | held | dropped warnings | false silence | episodes "
+      "|\n|---|---|---|---|---|---|---|---|---|\n";
+  for (const auto& [name, one] : domains) {
+    const bool is_measured = one.reported_ahead.has_value();
+    text += fmt::format("| {} | {} | {} | {} | {} of {} | {} | {} | {} | {} |\n", name, one.sequences, share(one.settled_tpr),
+                        share(one.settled_ppv), one.missed, one.events, share(one.held),
+                        is_measured ? std::to_string(one.ahead.dropped) : "-",
+                        is_measured ? fmt::format("{} of {}", one.ahead.silent_frames, one.ahead.frames) : "-",
+                        one.episodes_per_minute ? std::to_string(one.episodes) : "-");
+  }
+  return text + "\n";
+}
+
 std::string range_table(const EvaluationSummary& summary) {
   std::string text = "| rim distance, m | instances | raw TPR | settled instances | settled TPR |\n|---|---|---|---|---|\n";
   for (const EvaluationSummary::RangeBin& bin : summary.recall_by_range) {
@@ -80,12 +99,23 @@ std::string depth_table(const EvaluationSummary& summary) {
   return text + "\n";
 }
 
-std::string event_lines(const EvaluationSummary& summary) {
+std::string last_metres_line(const EvaluationSummary& summary, const EvaluationParams& params) {
+  if (!summary.reported_ahead) return "";
+  std::string text = fmt::format("Edges within {} m ahead, in {} frames: reported in {}; held {} (least of an event {})\n",
+                                 params.ahead_range_m, summary.ahead.frames, with_interval(summary.reported_ahead, 3),
+                                 with_interval(summary.held, 3), number(summary.held_min, 3));
+  return text + fmt::format("  dropped warnings {}, per minute {}; false silence in {} frames, share {}\n",
+                            summary.ahead.dropped, with_interval(summary.dropped_per_minute, 2), summary.ahead.silent_frames,
+                            with_interval(summary.false_silence, 3));
+}
+
+std::string event_lines(const EvaluationSummary& summary, const EvaluationParams& params) {
   std::string text = fmt::format("Events: {}; missed {}, warned late {}, share warned in time {}\n", summary.events,
                                  summary.missed, summary.late, with_interval(summary.warned_in_time, 3));
   text += fmt::format("First warning, true distance: least {} m, median {} m; lead time: least {} s, median {} s\n",
                       number(summary.first_warning_min_m, 2), number(summary.first_warning_median_m, 2),
                       number(summary.lead_time_min_s, 2), number(summary.lead_time_median_s, 2));
+  text += last_metres_line(summary, params);
   text += fmt::format("False-alarm episodes: {} in {:.2f} minutes; per minute {}, per 100 m walked {}\n",
                       summary.episodes_per_minute ? fmt::format("{}", summary.episodes) : "-", summary.minutes,
                       with_interval(summary.episodes_per_minute, 2), with_interval(summary.episodes_per_100m, 2));
@@ -116,7 +146,7 @@ std::string plus_minus(const MeanAndDeviation& value) { return fmt::format("{:.4
 std::string to_text(const std::vector<SequenceScore>& sequences, const EvaluationParams& params) {
   const EvaluationSummary summary = summarise(sequences, params);
   std::string text = detection_table(sequences, summary, params) + "\n" + range_table(summary) + "\n" + depth_table(summary) +
-                     event_lines(summary);
+                     domain_table(sequences, params) + event_lines(summary, params);
   text += fmt::format("Distance error of {} detections: median {} m, p95 {} m; bearing error: median {} deg, p95 {} deg\n",
                       summary.localised, number(summary.distance_error_median_m, 3), number(summary.distance_error_p95_m, 3),
                       number(summary.bearing_error_median_deg, 2), number(summary.bearing_error_p95_deg, 2));

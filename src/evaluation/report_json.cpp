@@ -89,6 +89,19 @@ std::string to_json(const EvaluationSummary& summary) {
          {"first_warning_median_m", number(summary.first_warning_median_m)},
          {"lead_time_min_s", number(summary.lead_time_min_s)},
          {"lead_time_median_s", number(summary.lead_time_median_s)}}},
+       {"last_metres",
+        {{"settled", summary.ahead.settled},
+         {"reported", summary.ahead.reported},
+         {"reported_share", estimate(summary.reported_ahead)},
+         {"warned", summary.ahead.warned},
+         {"held", summary.ahead.held},
+         {"held_share", estimate(summary.held)},
+         {"held_least_of_an_event", number(summary.held_min)},
+         {"dropped_warnings", summary.ahead.dropped},
+         {"dropped_warnings_per_minute", estimate(summary.dropped_per_minute)},
+         {"frames", summary.ahead.frames},
+         {"false_silence_frames", summary.ahead.silent_frames},
+         {"false_silence_share", estimate(summary.false_silence)}}},
        {"false_alarms",
         {{"episodes", summary.episodes},
          {"per_minute", estimate(summary.episodes_per_minute)},
@@ -109,6 +122,12 @@ std::string to_json(const EvaluationSummary& summary) {
        {"calibration",
         {{"bins", calibration(summary)}, {"expected_calibration_error", number(summary.expected_calibration_error)}}},
        {"kinds", {{"detections", summary.kinds}, {"accuracy", number(summary.kind_accuracy)}}}});
+}
+
+std::string to_json(const std::vector<DomainSummary>& domains) {
+  Json json = Json::object();
+  for (const DomainSummary& domain : domains) json[domain.name] = Json::parse(to_json(domain.summary));
+  return finished(json);
 }
 
 std::string to_json(const std::vector<Comparison>& comparisons) {
@@ -161,6 +180,7 @@ void CocoWriter::add(const std::string& file_name, const cv::Size& size, const D
   const std::size_t image_id = document_->images.size() + 1;
   document_->images.push_back({{"id", image_id}, {"file_name", file_name}, {"width", size.width}, {"height", size.height}});
   for (const NegativeObstacle& obstacle : detection.obstacles) {
+    if (obstacle.candidate.contour.empty()) continue;  // remembered, and out of the image
     const cv::Rect box = cv::boundingRect(obstacle.candidate.contour);
     Json polygon = Json::array();
     for (const cv::Point& corner : obstacle.candidate.contour) {

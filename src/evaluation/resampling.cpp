@@ -18,6 +18,7 @@ constexpr double kHighShare = 0.975;
 void add_frame(Block& block, const FrameScore& frame) {
   block.raw += frame.raw();
   block.settled += frame.settled();
+  block.ahead += frame.ahead();
   for (const DetectionScore& detection : frame.detections) {
     if (detection.distance_error_m) block.distance_errors.push_back(std::abs(*detection.distance_error_m));
   }
@@ -31,7 +32,9 @@ std::vector<Block> cut_into_blocks(const SequenceScore& sequence, int block_fram
     Block& block = blocks[i / length];
     add_frame(block, sequence.frames[i]);
     if (!sequence.walked_m) continue;
-    block.minutes += sequence.duration_s / kSecondsPerMinute / static_cast<double>(frames);
+    const double minutes = sequence.duration_s / kSecondsPerMinute / static_cast<double>(frames);
+    block.minutes += minutes;
+    if (sequence.frames[i].edges_ahead) block.ahead_minutes += minutes;
     block.walked_m += *sequence.walked_m / static_cast<double>(frames);
   }
   if (!sequence.walked_m) return blocks;
@@ -54,15 +57,27 @@ Counts sum(const Pieces& pieces, const Draw& draw, Counts Block::*counts) {
   return total;
 }
 
+AheadCounts sum_ahead(const Pieces& pieces, const Draw& draw) {
+  AheadCounts total;
+  for (const std::size_t index : draw.blocks) total += pieces.blocks[index].ahead;
+  return total;
+}
+
+double sum(const Pieces& pieces, const Draw& draw, double Block::*measure) {
+  double total = 0.0;
+  for (const std::size_t index : draw.blocks) total += pieces.blocks[index].*measure;
+  return total;
+}
+
+std::optional<double> divide(double part, double whole) {
+  if (!(whole > 0.0)) return std::nullopt;
+  return part / whole;
+}
+
 std::optional<double> episodes_per(const Pieces& pieces, const Draw& draw, double Block::*measure, double unit) {
   double episodes = 0.0;
-  double total = 0.0;
-  for (const std::size_t index : draw.blocks) {
-    episodes += pieces.blocks[index].episodes;
-    total += pieces.blocks[index].*measure;
-  }
-  if (!(total > 0.0)) return std::nullopt;
-  return episodes / (total / unit);
+  for (const std::size_t index : draw.blocks) episodes += pieces.blocks[index].episodes;
+  return divide(episodes, sum(pieces, draw, measure) / unit);
 }
 
 }  // namespace
@@ -102,6 +117,25 @@ std::optional<double> warned_in_time(const Pieces& pieces, const Draw& draw) {
   if (draw.events.empty()) return std::nullopt;
   const auto in_time = std::ranges::count_if(draw.events, [&pieces](std::size_t index) { return pieces.in_time[index]; });
   return static_cast<double>(in_time) / static_cast<double>(draw.events.size());
+}
+
+std::optional<double> reported_ahead(const Pieces& pieces, const Draw& draw) {
+  const AheadCounts ahead = sum_ahead(pieces, draw);
+  return divide(ahead.reported, ahead.settled);
+}
+
+std::optional<double> held(const Pieces& pieces, const Draw& draw) {
+  const AheadCounts ahead = sum_ahead(pieces, draw);
+  return divide(ahead.held, ahead.warned);
+}
+
+std::optional<double> dropped_per_minute(const Pieces& pieces, const Draw& draw) {
+  return divide(sum_ahead(pieces, draw).dropped, sum(pieces, draw, &Block::ahead_minutes));
+}
+
+std::optional<double> false_silence(const Pieces& pieces, const Draw& draw) {
+  const AheadCounts ahead = sum_ahead(pieces, draw);
+  return divide(ahead.silent_frames, ahead.frames);
 }
 
 std::optional<double> episodes_per_minute(const Pieces& pieces, const Draw& draw) {

@@ -13,6 +13,8 @@ namespace brink {
 struct Block {
   Counts raw;
   Counts settled;
+  AheadCounts ahead;
+  double ahead_minutes = 0.0;           ///< of a sequence in which edges ahead are known; 0 otherwise
   int episodes = 0;                     ///< those that begin here
   double minutes = 0.0;                 ///< of a sequence with poses; 0 without: nothing is known of episodes then
   double walked_m = 0.0;                ///< the block's share of the sequence's path
@@ -44,6 +46,10 @@ std::optional<double> raw_ppv(const Pieces& pieces, const Draw& draw);
 std::optional<double> settled_tpr(const Pieces& pieces, const Draw& draw);
 std::optional<double> settled_ppv(const Pieces& pieces, const Draw& draw);
 std::optional<double> warned_in_time(const Pieces& pieces, const Draw& draw);
+std::optional<double> reported_ahead(const Pieces& pieces, const Draw& draw);
+std::optional<double> held(const Pieces& pieces, const Draw& draw);
+std::optional<double> dropped_per_minute(const Pieces& pieces, const Draw& draw);
+std::optional<double> false_silence(const Pieces& pieces, const Draw& draw);
 std::optional<double> episodes_per_minute(const Pieces& pieces, const Draw& draw);
 std::optional<double> episodes_per_100m(const Pieces& pieces, const Draw& draw);
 std::optional<double> median_distance_error(const Pieces& pieces, const Draw& draw);

@@ -40,6 +40,10 @@ void describe(auto& archive, IsA<EvaluationParams> auto& params) {
   archive("block_frames", params.block_frames);
   archive("resamplings", params.resamplings);
   archive("seed", params.seed);
+  archive.later("ahead_range_m", params.ahead_range_m);
+  archive.later("ahead_deg", params.ahead_deg);
+  archive.later("claim_error_m", params.claim_error_m);
+  archive.later("dropped_s", params.dropped_s);
 }
 
 void describe(auto& archive, IsA<InstanceScore> auto& instance) {
@@ -69,6 +73,15 @@ void describe(auto& archive, IsA<DetectionScore> auto& detection) {
   archive.later("true_kind", detection.true_kind);
 }
 
+void describe(auto& archive, IsA<EdgeAhead> auto& edge) {
+  archive("id", edge.id);
+  archive("distance_m", edge.distance_m);
+  archive("settled", edge.settled);
+  archive("reported", edge.reported);
+  archive("warned", edge.warned);
+  archive("dropped", edge.dropped);
+}
+
 void describe(auto& archive, IsA<FrameScore> auto& frame) {
   archive("frame", frame.frame);
   archive("time", frame.time);
@@ -77,6 +90,7 @@ void describe(auto& archive, IsA<FrameScore> auto& frame) {
   archive("instances", frame.instances);
   archive("detections", frame.detections);
   archive("fragments", frame.fragments);
+  archive.later("edges_ahead", frame.edges_ahead);
 }
 
 void describe(auto& archive, IsA<ApproachEvent> auto& event) {
@@ -88,6 +102,7 @@ void describe(auto& archive, IsA<ApproachEvent> auto& event) {
   archive("warned_distance_m", event.warned_distance_m);
   archive("lead_time_s", event.lead_time_s);
   archive("in_time", event.in_time);
+  archive.later("held", event.held);
 }
 
 void describe(auto& archive, IsA<Episode> auto& episode) {
@@ -121,7 +136,7 @@ class Writer {
 
   /// A field that older files lack.
   template <typename Value>
-  void later(const char* name, const std::optional<Value>& value) {
+  void later(const char* name, const Value& value) {
     (*this)(name, value);
   }
 
@@ -165,7 +180,7 @@ class Reader {
   }
 
   template <typename Value>
-  void later(const char* name, std::optional<Value>& value) const {
+  void later(const char* name, Value& value) const {
     require(json_.is_object(), "an object");
     if (json_.contains(name)) (*this)(name, value);
   }

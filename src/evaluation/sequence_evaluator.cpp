@@ -8,23 +8,16 @@
 #include "disparity/parameters.hpp"
 #include "evaluation/expectation.hpp"
 #include "evaluation/frame_overlaps.hpp"
+#include "evaluation/last_metres.hpp"
+#include "evaluation/presence.hpp"
 #include "evaluation/statistics.hpp"
 
 namespace brink {
 namespace {
 
-constexpr double kTimeTolerance = 1e-9;  // s: sums of frame times are not exact, and 0.5 s are 0.5 s
 // Steps of the walker as they are measured: long enough for the head to be back at its height (walkers bob at about 2 Hz), so
 // that bobbing is not taken for walking.
 constexpr double kWalkStep = 0.5;  // s
-
-bool is_present(const VisibleInstance& instance, const EvaluationParams& params) {
-  return instance.visible_px >= params.min_visible_px && instance.distance_m.value_or(0.0) <= params.first_range_m;
-}
-
-bool is_deep(const VisibleInstance& instance, const EvaluationParams& params) {
-  return instance.depth_m.value_or(params.min_depth_m) >= params.min_depth_m;
-}
 
 void require_same_frame(const FrameTruth& truth, const Detection& detection, const SequenceScore& before) {
   if (truth.frame != detection.frame) {
@@ -125,6 +118,10 @@ void EvaluationParams::validate() const {
   require_between("evaluation.event_range_m", event_range_m, 0.0, 1000.0);
   require_between("evaluation.warn_range_m", warn_range_m, 0.0, 1000.0);
   require_between("evaluation.warn_delay_s", warn_delay_s, 0.0, 1e6);
+  require_between("evaluation.ahead_range_m", ahead_range_m, 0.0, 1000.0);
+  require_between("evaluation.ahead_deg", ahead_deg, 0.0, 180.0);
+  require_between("evaluation.claim_error_m", claim_error_m, 0.0, 1000.0);
+  require_between("evaluation.dropped_s", dropped_s, 0.0, 1e6);
   require_between("evaluation.episode_radius_m", episode_radius_m, 0.0, 1000.0);
   require_between("evaluation.episode_gap_s", episode_gap_s, 0.0, 1e6);
   require_between("evaluation.block_frames", block_frames, 1, 1'000'000);
@@ -150,12 +147,30 @@ Counts FrameScore::settled() const {
   return counts;
 }
 
+AheadCounts FrameScore::ahead() const {
+  AheadCounts counts;
+  if (!edges_ahead) return counts;
+  for (const EdgeAhead& edge : *edges_ahead) {
+    counts.settled += edge.settled ? 1 : 0;
+    counts.reported += edge.settled && edge.reported ? 1 : 0;
+    counts.warned += edge.warned ? 1 : 0;
+    counts.held += edge.reported ? 1 : 0;
+    counts.dropped += edge.dropped ? 1 : 0;
+  }
+  counts.frames = counts.settled > 0 ? 1 : 0;
+  const bool is_silent = ground == GroundState::seen && detections.empty();
+  counts.silent_frames = is_silent ? counts.frames : 0;
+  return counts;
+}
+
 SequenceEvaluator::SequenceEvaluator(std::string name, const EvaluationParams& params, const CandidateParams& rules)
-    : params_(params), rules_(rules) {
+    : params_(params), rules_(rules), last_metres_(std::make_unique<LastMetres>(params)) {
   params.validate();
   rules.validate();
   score_.name = std::move(name);
 }
+
+SequenceEvaluator::~SequenceEvaluator() = default;
 
 // The approach that a present instance is on, a new one when it appears.
 SequenceEvaluator::Approach& SequenceEvaluator::follow(const VisibleInstance& instance, int frame, double time) {
@@ -218,6 +233,15 @@ void SequenceEvaluator::note_warnings(const FrameTruth& truth, const FrameMatch&
   }
 }
 
+// An edge that lies ahead belongs to the latest approach of its instance, also where it has left the image.
+void SequenceEvaluator::note_edges(const std::vector<EdgeAhead>& edges) {
+  for (const EdgeAhead& edge : edges) {
+    Approach& approach = approaches_[latest_approach_.at(edge.id)];
+    approach.warned += edge.warned ? 1 : 0;
+    approach.held += edge.reported ? 1 : 0;
+  }
+}
+
 void SequenceEvaluator::note_false_alarm(DetectionScore& detection, const Eigen::Vector3d& place, const FrameTruth& truth) {
   double nearest = params_.episode_radius_m;
   for (std::size_t i = 0; i < score_.episodes.size(); ++i) {
@@ -259,7 +283,7 @@ DetectionScore SequenceEvaluator::score_detection(const NegativeObstacle& obstac
 
 void SequenceEvaluator::add(const FrameTruth& truth, const Detection& detection) {
   require_same_frame(truth, detection, score_);
-  FrameScore frame{truth.frame, truth.time, detection.status, detection.ground.state, {}, {}, 0};
+  FrameScore frame{truth.frame, truth.time, detection.status, detection.ground.state, {}, {}, 0, {}};
   for (const VisibleInstance& instance : truth.instances) frame.instances.push_back(score_instance(instance, truth, detection));
   const std::vector<NegativeObstacle> reported = select_near(detection.obstacles, params_.max_range_m);
 
@@ -280,6 +304,8 @@ void SequenceEvaluator::add(const FrameTruth& truth, const Detection& detection)
   }
   frame.fragments = raw.fragments;
   note_warnings(truth, approached);
+  frame.edges_ahead = last_metres_->score(truth, frame.detections);
+  note_edges(*frame.edges_ahead);
   if (truth.world_from_camera) {
     position_times_.push_back(truth.time);
     positions_.emplace_back(truth.world_from_camera->translation());
@@ -296,6 +322,7 @@ SequenceScore SequenceEvaluator::finish() const {
   for (const Approach& approach : approaches_) {
     if (!approach.is_event || !(approach.event.nearest_m < params_.event_range_m)) continue;
     score.events.push_back(approach.event);
+    if (approach.warned > 0) score.events.back().held = static_cast<double>(approach.held) / approach.warned;
     if (!approach.event.warned_frame) continue;
     score.events.back().lead_time_s = std::max(0.0, approach.nearest_time - approach.warned_time);
   }

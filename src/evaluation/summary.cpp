@@ -35,6 +35,7 @@ void count_frames(EvaluationSummary& summary, const std::vector<SequenceScore>& 
     if (frame.status == FrameStatus::ok) ++summary.ground_state[to_string(frame.ground)];
     summary.raw += frame.raw();
     summary.settled += frame.settled();
+    summary.ahead += frame.ahead();
     summary.fragments += frame.fragments;
     reachable += static_cast<int>(std::ranges::count_if(frame.instances, [](const auto& i) { return i.raw && i.reachable; }));
   });
@@ -96,6 +97,7 @@ std::vector<EvaluationSummary::DepthBin> bin_by_depth(const std::vector<Sequence
 void summarise_events(EvaluationSummary& summary, const std::vector<SequenceScore>& sequences) {
   std::vector<double> distances;
   std::vector<double> lead_times;
+  std::vector<double> held;
   for (const SequenceScore& sequence : sequences) {
     for (const ApproachEvent& event : sequence.events) {
       ++summary.events;
@@ -103,12 +105,14 @@ void summarise_events(EvaluationSummary& summary, const std::vector<SequenceScor
       if (event.warned_frame && !event.in_time) ++summary.late;
       if (event.warned_distance_m) distances.push_back(*event.warned_distance_m);
       if (event.lead_time_s) lead_times.push_back(*event.lead_time_s);
+      if (event.held) held.push_back(*event.held);
     }
   }
   summary.first_warning_min_m = quantile(distances, 0.0);
   summary.first_warning_median_m = quantile(distances, 0.5);
   summary.lead_time_min_s = quantile(lead_times, 0.0);
   summary.lead_time_median_s = quantile(lead_times, 0.5);
+  summary.held_min = quantile(held, 0.0);
 }
 
 void summarise_localisation(EvaluationSummary& summary, const std::vector<SequenceScore>& sequences) {
@@ -181,13 +185,17 @@ struct EstimatedFigure {
   std::optional<Estimate> EvaluationSummary::*result;
 };
 
-constexpr std::array<EstimatedFigure, 7> kFigures = {{{raw_tpr, &EvaluationSummary::raw_tpr},
-                                                      {raw_ppv, &EvaluationSummary::raw_ppv},
-                                                      {settled_tpr, &EvaluationSummary::settled_tpr},
-                                                      {settled_ppv, &EvaluationSummary::settled_ppv},
-                                                      {warned_in_time, &EvaluationSummary::warned_in_time},
-                                                      {episodes_per_minute, &EvaluationSummary::episodes_per_minute},
-                                                      {episodes_per_100m, &EvaluationSummary::episodes_per_100m}}};
+constexpr std::array<EstimatedFigure, 11> kFigures = {{{raw_tpr, &EvaluationSummary::raw_tpr},
+                                                       {raw_ppv, &EvaluationSummary::raw_ppv},
+                                                       {settled_tpr, &EvaluationSummary::settled_tpr},
+                                                       {settled_ppv, &EvaluationSummary::settled_ppv},
+                                                       {warned_in_time, &EvaluationSummary::warned_in_time},
+                                                       {reported_ahead, &EvaluationSummary::reported_ahead},
+                                                       {held, &EvaluationSummary::held},
+                                                       {dropped_per_minute, &EvaluationSummary::dropped_per_minute},
+                                                       {false_silence, &EvaluationSummary::false_silence},
+                                                       {episodes_per_minute, &EvaluationSummary::episodes_per_minute},
+                                                       {episodes_per_100m, &EvaluationSummary::episodes_per_100m}}};
 
 /// Values with their intervals.
 void estimate_figures(EvaluationSummary& summary, const Pieces& pieces, const EvaluationParams& params) {
@@ -211,6 +219,17 @@ Counts& Counts::operator+=(const Counts& other) {
   tp += other.tp;
   fn += other.fn;
   fp += other.fp;
+  return *this;
+}
+
+AheadCounts& AheadCounts::operator+=(const AheadCounts& other) {
+  settled += other.settled;
+  reported += other.reported;
+  warned += other.warned;
+  held += other.held;
+  dropped += other.dropped;
+  frames += other.frames;
+  silent_frames += other.silent_frames;
   return *this;
 }
 

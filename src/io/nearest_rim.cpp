@@ -6,6 +6,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
 
 #include "brink/truth.hpp"
 #include "io/rim_plane.hpp"
@@ -39,13 +40,23 @@ bool is_visible(const Eigen::Vector3d& point, const View& view) {
   return std::ranges::any_of(cv::Mat1f(window.clone()), [&](float d) { return d * nearest_allowed <= focal_baseline; });
 }
 
-/// Nearest point of the segment to the foot of the camera's perpendicular, 0 = a .. 1 = b.
-double closest_share(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const GroundPose& pose) {
-  const auto in_plane = [&](const Eigen::Vector3d& v) { return Eigen::Vector2d(pose.right.dot(v), pose.forward.dot(v)); };
-  const Eigen::Vector2d start = in_plane(a);
-  const Eigen::Vector2d along = in_plane(b) - start;
+GroundPose require_rim_plane(const std::vector<Eigen::Vector3d>& opening) {
+  const std::optional<GroundPose> pose = fit_rim_plane(opening);
+  if (!pose) throw std::invalid_argument(fmt::format("opening of {} points has no plane", opening.size()));
+  return *pose;
+}
+
+/// A point laid onto the plane: metres to the right and ahead of the foot of the camera's perpendicular.
+Eigen::Vector2d in_plane(const Eigen::Vector3d& point, const GroundPose& pose) {
+  return {pose.right.dot(point), pose.forward.dot(point)};
+}
+
+/// Point of the segment that is nearest to the foot of the camera's perpendicular.
+Eigen::Vector3d find_closest(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const GroundPose& pose) {
+  const Eigen::Vector2d start = in_plane(a, pose);
+  const Eigen::Vector2d along = in_plane(b, pose) - start;
   const double length = along.squaredNorm();
-  return length > 0.0 ? std::clamp(-start.dot(along) / length, 0.0, 1.0) : 0.0;
+  return a + (b - a) * (length > 0.0 ? std::clamp(-start.dot(along) / length, 0.0, 1.0) : 0.0);
 }
 
 /// Walks from `start` to `end`, which leads away from the camera, to the first point that is seen.
@@ -91,8 +102,7 @@ std::optional<GroundPose> fit_rim_plane(const std::vector<Eigen::Vector3d>& open
 
 RimSighting find_nearest_rim(const std::vector<Eigen::Vector3d>& opening, const StereoCamera& camera, const cv::Size& size,
                              const cv::Mat1f& disparity) {
-  const std::optional<GroundPose> pose = fit_rim_plane(opening);
-  if (!pose) throw std::invalid_argument(fmt::format("opening of {} points has no plane", opening.size()));
+  const GroundPose pose = require_rim_plane(opening);
   if (!disparity.empty() && disparity.size() != size) {
     throw std::invalid_argument(
         fmt::format("disparity is {}x{} px, must be {}x{}", disparity.cols, disparity.rows, size.width, size.height));
@@ -104,15 +114,35 @@ RimSighting find_nearest_rim(const std::vector<Eigen::Vector3d>& opening, const 
   for (std::size_t i = 0; i < opening.size(); ++i) {
     const Eigen::Vector3d& a = opening[i];
     const Eigen::Vector3d& b = opening[(i + 1) % opening.size()];
-    const Eigen::Vector3d closest = a + (b - a) * closest_share(a, b, *pose);
-    if (pose->distance(closest) < nearest.distance_m) nearest = {pose->distance(closest), pose->bearing_deg(closest), false};
+    const Eigen::Vector3d closest = find_closest(a, b, pose);
+    if (pose.distance(closest) < nearest.distance_m) nearest = {pose.distance(closest), pose.bearing_deg(closest), false};
     // From there the distance grows to both sides, so the first point that is seen is the nearest of its side.
     for (const Eigen::Vector3d& end : {a, b}) {
-      const auto seen = find_first_visible(closest, end, *pose, view, nearest_visible.distance_m);
-      if (seen) nearest_visible = {pose->distance(*seen), pose->bearing_deg(*seen), true};
+      const auto seen = find_first_visible(closest, end, pose, view, nearest_visible.distance_m);
+      if (seen) nearest_visible = {pose.distance(*seen), pose.bearing_deg(*seen), true};
     }
   }
   return std::isfinite(nearest_visible.distance_m) ? nearest_visible : nearest;
+}
+
+RimPlace locate_rim(const std::vector<Eigen::Vector3d>& opening) {
+  const GroundPose pose = require_rim_plane(opening);
+  RimPlace place;
+  place.distance_m = std::numeric_limits<double>::infinity();
+  std::vector<cv::Point2f> polygon;
+  for (std::size_t i = 0; i < opening.size(); ++i) {
+    const Eigen::Vector3d closest = find_closest(opening[i], opening[(i + 1) % opening.size()], pose);
+    const double distance = pose.distance(closest);
+    if (distance < place.distance_m) {
+      place.distance_m = distance;
+      place.bearing_deg = pose.bearing_deg(closest);
+    }
+    polygon.emplace_back(in_plane(opening[i], pose).cast<float>().x(), in_plane(opening[i], pose).cast<float>().y());
+  }
+  place.is_inside = cv::pointPolygonTest(polygon, {0.0F, 0.0F}, false) > 0.0;
+  // `down` points from the camera to the plane: upwards when the camera is below it.
+  place.height_m = std::copysign(pose.height_m, pose.down.y());
+  return place;
 }
 
 }  // namespace brink

@@ -137,6 +137,25 @@ std::vector<VisibleInstance> count_instances(const cv::Mat1b& negative) {
   return instances;
 }
 
+std::vector<Eigen::Vector3d> move_opening(const std::vector<Eigen::Vector3d>& opening,
+                                          const Eigen::Isometry3d& camera_from_world) {
+  std::vector<Eigen::Vector3d> moved;
+  moved.reserve(opening.size());
+  for (const Eigen::Vector3d& point : opening) moved.emplace_back(camera_from_world * point);
+  return moved;
+}
+
+std::vector<RimPlace> locate_rims(const std::vector<InstanceTruth>& instances, const Eigen::Isometry3d& camera_from_world) {
+  std::vector<RimPlace> rims;
+  for (const InstanceTruth& instance : instances) {
+    if (instance.opening.empty()) continue;
+    rims.push_back(locate_rim(move_opening(instance.opening, camera_from_world)));
+    rims.back().id = instance.id;
+    rims.back().depth_m = instance.depth_m;
+  }
+  return rims;
+}
+
 }  // namespace
 
 SequenceTruth::SequenceTruth(const std::string& folder) : folder_(folder) {
@@ -180,6 +199,7 @@ FrameTruth SequenceTruth::read(int position) const {
   truth.negative = read_mask(path);
   check_size(path, truth.negative.size(), size_);
   truth.instances = count_instances(truth.negative);
+  if (truth.world_from_camera) truth.rims = locate_rims(instances_, truth.world_from_camera->inverse());
   if (!has_instances_ || truth.instances.empty()) return truth;
   const cv::Mat1f disparity = read_disparity(position);
   for (VisibleInstance& visible : truth.instances) {
@@ -188,8 +208,7 @@ FrameTruth SequenceTruth::read(int position) const {
     visible.depth_m = instance->depth_m;
     visible.kind = std::ranges::find(kTypes, instance->type, &TypeOfInstance::name)->kind;
     if (!truth.world_from_camera || !camera_ || instance->opening.empty()) continue;
-    const Eigen::Isometry3d camera_from_world = truth.world_from_camera->inverse();
-    for (const Eigen::Vector3d& point : instance->opening) visible.opening.push_back(camera_from_world * point);
+    visible.opening = move_opening(instance->opening, truth.world_from_camera->inverse());
     const RimSighting rim = find_nearest_rim(visible.opening, *camera_, size_, disparity);
     visible.distance_m = rim.distance_m;
     visible.bearing_deg = rim.bearing_deg;

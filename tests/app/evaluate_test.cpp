@@ -119,7 +119,9 @@ TEST_F(Evaluate, PrintsTablesWithTheRowsOfThePaper) {
 TEST_F(Evaluate, TakesSeveralPairs) {
   const CommandResult result = run_command("evaluate " + found_ + " " + nothing_ + truth_ + truth_ + " --json");
   ASSERT_EQ(result.exit_code, 0) << result.errors;
-  EXPECT_EQ(Json::parse(result.output)["summary"]["raw"]["counts"], Json({{"tp", 30}, {"fn", 30}, {"fp", 0}}));
+  const Json json = Json::parse(result.output);
+  EXPECT_EQ(json["summary"]["raw"]["counts"], Json({{"tp", 30}, {"fn", 30}, {"fp", 0}}));
+  EXPECT_EQ(json["by_domain"], Json({{"walk", json["summary"]}}));  // both pairs are of the one domain
 }
 
 TEST_F(Evaluate, RunsTheDetectorOverASuiteWhereResultsAreMissing) {

@@ -104,6 +104,49 @@ TEST(Compare, DoesNotCallASmallDifferenceWorse) {
   EXPECT_FALSE(tpr.is_worse());
 }
 
+/// The same walk with an edge ahead in each frame, settled and warned of.
+SequenceScore make_approach(const std::function<bool(int)>& is_reported) {
+  SequenceScore run = make_run([](int) { return true; });
+  for (FrameScore& frame : run.frames) {
+    const bool reported = is_reported(frame.frame);
+    frame.ground = GroundState::seen;
+    if (!reported) frame.detections.clear();
+    frame.edges_ahead = {{1, 1.0, true, reported, true, !reported && frame.frame % 15 == 14}};
+  }
+  return run;
+}
+
+TEST(Compare, TellsWhoLosesWarningsInTheLastMetres) {
+  // 9 of 15 frames reported in each block, and each block ends with a dropped warning: whatever blocks are drawn, the share
+  // falls by 0.4, and 40 warnings in 40 s are 60 a minute.
+  const std::vector<SequenceScore> steady = {make_approach([](int) { return true; })};
+  const std::vector<SequenceScore> losing = {make_approach([](int frame) { return frame % 15 < 9; })};
+  const std::vector<std::pair<std::string, double>> expected = {{"reported in the last metres", -0.4},
+                                                                {"held in the last metres", -0.4},
+                                                                {"dropped warnings per minute", 60.0},
+                                                                {"false silence", 0.4}};
+  const std::vector<Comparison> worse = compare(steady, losing);
+  const std::vector<Comparison> better = compare(losing, steady);
+  for (const auto& [name, difference] : expected) {
+    const auto found = std::ranges::find(worse, name, &Comparison::name);
+    ASSERT_NE(found, worse.end()) << name;
+    EXPECT_NEAR(found->difference.value, difference, 1e-9) << name;
+    EXPECT_NEAR(found->difference.low, difference, 1e-9) << name;
+    EXPECT_NEAR(found->difference.high, difference, 1e-9) << name;
+    EXPECT_TRUE(found->is_worse()) << name;
+    EXPECT_FALSE(std::ranges::find(better, name, &Comparison::name)->is_worse()) << name;
+  }
+}
+
+TEST(Compare, LeavesOutTheLastMetresWhereOneOfBothIsAnOlderScore) {
+  const std::vector<SequenceScore> newer = {make_approach([](int) { return true; })};
+  std::vector<SequenceScore> older = newer;
+  for (FrameScore& frame : older[0].frames) frame.edges_ahead.reset();
+  EXPECT_EQ(compare(newer, newer).size(), 11U);
+  EXPECT_EQ(compare(older, newer).size(), 7U);
+  EXPECT_EQ(compare(newer, older).size(), 7U);
+}
+
 TEST(Compare, LeavesOutWhatOneOfBothDoesNotHave) {
   SequenceScore silent = make_run(two_thirds);
   for (FrameScore& frame : silent.frames) frame.detections.clear();

@@ -40,8 +40,9 @@ SequenceScore make_sequence() {
   detection.kind = ObstacleKind::edge;
   detection.true_kind = ObstacleKind::stairs_down;
   frame.detections = {detection, {6, {}, true, true, 1e300, {}, {}, {}, 0, {}, {}}};
+  frame.edges_ahead = {{7, 0.1 + 0.7, true, false, true, true}, {8, 1.9, false, true, true, false}};
   sequence.frames = {frame};
-  sequence.events = {{7, 12, 1.1, 0.9, 12, 1.1, 0.7, true}, {8, 12, 2.2, 2.1, {}, {}, {}, false}};
+  sequence.events = {{7, 12, 1.1, 0.9, 12, 1.1, 0.7, true, 1.0 / 3.0}, {8, 12, 2.2, 2.1, {}, {}, {}, false, {}}};
   sequence.episodes = {{12, 12, 1, {0.1, -0.2, 1e-9}}};
   return sequence;
 }
@@ -119,6 +120,7 @@ TEST(ScoresFile, HoldsAsManyFieldsAsTheStructuresHave) {
   EXPECT_EQ(sequence["events"][0].size(), test::count_fields<ApproachEvent>());
   EXPECT_EQ(sequence["episodes"][0].size(), test::count_fields<Episode>());
   EXPECT_EQ(sequence["frames"][0].size(), test::count_fields<FrameScore>());
+  EXPECT_EQ(sequence["frames"][0]["edges_ahead"][0].size(), test::count_fields<EdgeAhead>());
   EXPECT_EQ(sequence["frames"][0]["instances"][0].size(), test::count_fields<InstanceScore>());
   EXPECT_EQ(sequence["frames"][0]["detections"][0].size(), test::count_fields<DetectionScore>());
 }
@@ -142,6 +144,47 @@ TEST(ScoresFile, IsReadWithoutTheFieldsThatOlderOnesLack) {
   EXPECT_FALSE(stored.sequences[0].frames[0].instances[0].expected.has_value());
   instance["expected"] = 1;
   test::expect_line_with(fault(json.dump()), "instances[0].expected = 1, expected true or false");
+}
+
+TEST(ScoresFile, GivesBackTheLastMetresAsTheyWere) {
+  EvaluationParams params;
+  params.ahead_range_m = 2.5;
+  params.ahead_deg = 45.0;
+  params.claim_error_m = 0.2;
+  params.dropped_s = 0.5;
+  const StoredScores stored = read(to_json({make_sequence()}, params));
+  EXPECT_EQ(stored.params.ahead_range_m, 2.5);
+  EXPECT_EQ(stored.params.ahead_deg, 45.0);
+  EXPECT_EQ(stored.params.claim_error_m, 0.2);
+  EXPECT_EQ(stored.params.dropped_s, 0.5);
+  EXPECT_EQ(stored.sequences[0].events[0].held, 1.0 / 3.0);
+  EXPECT_FALSE(stored.sequences[0].events[1].held.has_value());
+  const std::vector<EdgeAhead> edges = stored.sequences[0].frames[0].edges_ahead.value();
+  ASSERT_EQ(edges.size(), 2U);
+  EXPECT_EQ(edges[0].id, 7);
+  EXPECT_EQ(edges[0].distance_m, 0.1 + 0.7);
+  EXPECT_TRUE(edges[0].settled);
+  EXPECT_FALSE(edges[0].reported);
+  EXPECT_TRUE(edges[0].warned);
+  EXPECT_TRUE(edges[0].dropped);
+  EXPECT_FALSE(edges[1].settled);
+  EXPECT_TRUE(edges[1].reported);
+  EXPECT_FALSE(edges[1].dropped);
+}
+
+TEST(ScoresFile, IsReadWithoutTheLastMetresThatOlderOnesLack) {
+  EvaluationParams params;
+  params.ahead_range_m = 2.5;
+  Json json = Json::parse(to_json({make_sequence()}, params));
+  for (const char* name : {"ahead_range_m", "ahead_deg", "claim_error_m", "dropped_s"}) json["params"].erase(name);
+  json["sequences"][0]["frames"][0].erase("edges_ahead");
+  json["sequences"][0]["events"][0].erase("held");
+  const StoredScores stored = read(json.dump());
+  EXPECT_EQ(stored.params.ahead_range_m, 2.0);
+  EXPECT_FALSE(stored.sequences[0].frames[0].edges_ahead.has_value());
+  EXPECT_FALSE(stored.sequences[0].events[0].held.has_value());
+  json["params"]["ahead_deg"] = "wide";
+  test::expect_line_with(fault(json.dump()), R"(params.ahead_deg = "wide", expected a number)");
 }
 
 TEST(ScoresFile, BeginsWithItsFormat) { EXPECT_TRUE(to_json({}, {}).starts_with(R"({"format":"brink-scores-1","params":{)")); }

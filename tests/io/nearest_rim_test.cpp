@@ -165,5 +165,42 @@ TEST(FindNearestRim, RefusesWhatHasNoPlane) {
                          "disparity is 3x2 px, must be 640x360");
 }
 
+RimPlace locate(const std::vector<Eigen::Vector2d>& opening) { return locate_rim(on_ground(opening)); }
+
+TEST(LocateRim, TakesTheNearestPointWhetherItIsSeenOrNot) {
+  // The lowest row of the image sees the ground 1.03 m ahead: the trench of StopsAtTheEdgeOfThePicture passes 0.2 m to the
+  // right of the foot, far below the image.
+  const RimPlace trench = locate({{0.2, -50.0}, {0.2, 50.0}, {1.0, 50.0}, {1.0, -50.0}});
+  EXPECT_NEAR(trench.distance_m, 0.2, 1e-9);
+  EXPECT_NEAR(trench.bearing_deg, 90.0, 1e-6);
+  EXPECT_FALSE(trench.is_inside);
+  const RimPlace corner = locate({{1.0, 2.0}, {2.0, 2.0}, {2.0, 3.0}, {1.0, 3.0}});
+  EXPECT_NEAR(corner.distance_m, std::sqrt(5.0), 1e-9);
+  EXPECT_NEAR(corner.bearing_deg, 26.565, 1e-3);
+  EXPECT_NEAR(locate({{-0.5, -3.0}, {0.5, -3.0}, {0.5, -2.0}, {-0.5, -2.0}}).bearing_deg, 180.0, 1e-6);
+}
+
+TEST(LocateRim, KnowsWhenTheBearerStandsInTheOpening) {
+  EXPECT_TRUE(locate({{-0.3, -0.4}, {0.3, -0.4}, {0.3, 0.5}, {-0.3, 0.5}}).is_inside);
+  EXPECT_FALSE(locate({{-0.3, 0.01}, {0.3, 0.01}, {0.3, 0.5}, {-0.3, 0.5}}).is_inside);
+  // In the notch of a U whose arms reach past the bearer on both sides.
+  EXPECT_FALSE(locate({{-2, -1}, {-1, -1}, {-1, 1}, {1, 1}, {1, -1}, {2, -1}, {2, 2}, {-2, 2}}).is_inside);
+}
+
+TEST(LocateRim, MeasuresTheHeightOverTheRimBelowItAsNegative) {
+  std::vector<Eigen::Vector3d> opening{{-0.5, 1.6, 1.0}, {0.5, 1.6, 1.0}, {0.5, 1.6, 2.0}, {-0.5, 1.6, 2.0}};
+  EXPECT_NEAR(locate_rim(opening).height_m, 1.6, 1e-9);
+  for (Eigen::Vector3d& point : opening) point.y() = -0.5;
+  EXPECT_NEAR(locate_rim(opening).height_m, -0.5, 1e-9);
+  EXPECT_NEAR(locate_rim(opening).distance_m, 1.0, 1e-9);
+}
+
+TEST(LocateRim, RefusesWhatHasNoPlane) {
+  test::expect_line_with(test::error_of<std::invalid_argument>([] {
+                           locate_rim({{0, 1, 2}, {0, 1, 3}});
+                         }),
+                         "opening of 2 points has no plane");
+}
+
 }  // namespace
 }  // namespace brink

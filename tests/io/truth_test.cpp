@@ -112,6 +112,31 @@ TEST_F(WrittenTruth, TellsTheOpeningAsTheCameraSeesIt) {
   }
 }
 
+TEST_F(WrittenTruth, LocatesTheRimsOfAllInstancesSeenOrNot) {
+  const FrameTruth frame = open().read(2);  // 0.5 m on
+  ASSERT_EQ(frame.rims.size(), 2U);
+  EXPECT_EQ(frame.rims[0].id, 7);
+  EXPECT_EQ(frame.rims[0].depth_m, 0.9);
+  EXPECT_NEAR(frame.rims[0].distance_m, 2.5, 1e-5);
+  EXPECT_NEAR(frame.rims[0].height_m, 1.6, 1e-5);
+  EXPECT_EQ(frame.rims[1].id, 2);  // the curb, which no frame shows
+  EXPECT_NEAR(frame.rims[1].distance_m, std::hypot(5.0, 29.5), 1e-4);
+}
+
+TEST_F(WrittenTruth, LocatesTheRimsOfFramesThatShowNone) {
+  replace("negative/000001.png", encode_png(cv::Mat1b(kSize, uchar{0})));
+  const FrameTruth frame = open().read(1);
+  EXPECT_TRUE(frame.instances.empty());
+  EXPECT_EQ(frame.rims.size(), 2U);
+}
+
+TEST_F(WrittenTruth, LocatesNoRimsWithoutPosesOrOpenings) {
+  replace("instances.yaml", "- {id: 7, type: pothole, depth_m: 0.5}\n");
+  EXPECT_TRUE(open().read(1).rims.empty());
+  std::filesystem::remove(path("poses.txt"));
+  EXPECT_TRUE(open().read(1).rims.empty());
+}
+
 TEST_F(WrittenTruth, PutsTheNearestRimAtTheBorderOfTheMask) {
   const SequenceTruth truth = open();
   for (int position = 0; position < truth.size(); ++position) {
