@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <numbers>
 #include <random>
 
@@ -178,6 +179,21 @@ std::string find_broken_limit(const std::optional<GroundPlane>& plausible_plane,
   return (plausible_plane && bent) || alone ? limits : std::string();
 }
 
+/// The plane of what is near the feet, where that fits it clearly better than a plane between two floors does; else the same.
+GroundPlane prefer_near(const GroundPlane& plane, const GroundSamples& samples, const Plausibility& plausible,
+                        const GroundParams& params) {
+  constexpr double kNearShare = 0.3;       // of the samples, those with the greatest disparities
+  constexpr double kClearlyBetter = 1.05;  // times the score near the feet
+  std::vector<DisparitySample> near = samples.coarse.samples();
+  const auto count = static_cast<std::ptrdiff_t>(kNearShare * static_cast<double>(near.size()));
+  std::ranges::nth_element(near, near.begin() + count, std::greater<>(), &DisparitySample::d);
+  near.resize(static_cast<std::size_t>(count));
+  const GroundPlane nearer = refine_plane(near, plane, samples, 8, 3.0, params);
+  const bool is_better =
+      plausible(nearer) && score_near(samples, nearer, params) > kClearlyBetter * score_near(samples, plane, params);
+  return is_better ? nearer : plane;
+}
+
 GroundPlane shift_up(const GroundPose& pose, double by_m, const StereoCamera& camera) {
   GroundPose shifted = pose;
   shifted.height_m -= by_m;
@@ -208,6 +224,7 @@ FirstGround choose_first_ground(const GroundSamples& samples, const std::vector<
   }
   if (best) best->plane = finish_plane(samples, best->plane, params);
   if (best && !plausible(best->plane)) best.reset();
+  if (best) best->plane = prefer_near(best->plane, samples, plausible, params);
   FirstGround ground;
   if (best) ground.plane = best->plane;
   ground.reason = find_broken_limit(ground.plane, samples, params, gravity);

@@ -32,7 +32,7 @@ constexpr double kMaxSd = 0.15;          // m: a ground known no better is not k
 constexpr double kStep = 0.15;           // m: surfaces this far apart are different floors, and so high is a negative obstacle
 constexpr double kGait = 0.08;           // m by which walking changes the camera's height, and more
 constexpr double kMinShare = 0.02;       // of all samples of a frame that must lie on a ground that it is said to show
-constexpr double kClearlyBetter = 1.05;  // times the score near the feet
+constexpr double kExplained = 0.95;   // of the score of the last ground on what lies on it, that another plane must have there
 constexpr double kPriorShare = 0.05;  // what is known of the ground before a frame weighs as much as this share of its samples
 constexpr double kLearnStanding = 1.0;   // s in which the standing height is learned ...
 constexpr double kAdaptStanding = 20.0;  // s in which it adapts
@@ -95,7 +95,6 @@ struct GroundTracker::State {
   [[nodiscard]] bool goes_on(const GroundPlane& plane) const;
   [[nodiscard]] std::optional<Choice> find_continuation() const;
   [[nodiscard]] std::optional<Choice> find_floor_at_standing_height() const;
-  [[nodiscard]] double score_near(const std::optional<GroundPlane>& plane) const;
   GroundEstimate show(const Choice& choice, double time);
   GroundEstimate carry(double time, const std::string& why);
   std::optional<double> step_onto_footing();
@@ -248,23 +247,13 @@ bool GroundTracker::State::goes_on(const GroundPlane& plane) const {
   if (change > kUnevenness + 3.0 * sd_m || tilt_deg > kMaxTiltDeg) return false;
   const double off_before = standing_m ? std::abs(ground->height_m - *standing_m) : 0.0;
   if (standing_m && std::abs(pose.height_m - *standing_m) > std::max(kStep, off_before + kUnevenness)) return false;
-  return tilt_deg <= kUnevenDeg + 3.0 * tilt_sd_deg || score_near(plane) >= kNearShare * score_near(std::nullopt);
-}
-
-/// How much of what is near the feet lies on a plane: each sample weighs by the square of its disparity. @param plane empty =
-/// all samples.
-double GroundTracker::State::score_near(const std::optional<GroundPlane>& plane) const {
-  double score = 0.0;
-  for (const DisparitySample& s : samples.coarse.samples()) {
-    const double expected = plane ? plane->disparity(s.u + samples.camera.cx, s.v) : s.d;
-    if (expected > 0.0 && std::abs(s.d - expected) <= ground_tolerance_px(s.d, params)) score += s.d * s.d;
-  }
-  return score;
+  return tilt_deg <= kUnevenDeg + 3.0 * tilt_sd_deg ||
+         score_near(samples, plane, params) >= kNearShare * score_near(samples, std::nullopt, params);
 }
 
 /// The ground of the last frame as this one shows it: the best plane of this frame that goes on from it, or the last ground
-/// itself, refined on what lies on it, whichever fits better near the feet. Far more pixels may lie on a plane *between* two
-/// floors.
+/// itself, refined on what lies on it, where that is seen and the other one does not explain it. Far more pixels may lie on a
+/// plane *between* two floors.
 std::optional<GroundTracker::State::Choice> GroundTracker::State::find_continuation() const {
   std::optional<PlaneHypothesis> free;
   for (const PlaneHypothesis& plane : planes) {
@@ -286,7 +275,10 @@ std::optional<GroundTracker::State::Choice> GroundTracker::State::find_continuat
     choice.reset();
     free.reset();
   }
-  if (is_refined && (!choice || !choice->is_shown || score_near(refined) > kClearlyBetter * score_near(choice->plane))) {
+  const auto explains = [&](const GroundPlane& plane) {
+    return score_near(samples, plane, params, refined) >= kExplained * score_near(samples, refined, params, refined);
+  };
+  if (is_refined && (!choice || !choice->is_shown || !explains(choice->plane))) {
     choice = judge(refined);
   }
   return choice;
@@ -307,8 +299,9 @@ std::optional<GroundTracker::State::Choice> GroundTracker::State::find_floor_at_
     const double off = std::abs(pose.height_m - *standing_m);
     if (off > kGait + kUnevenness || off + kUnevenness > left_by) continue;
     if (angle_deg(pose.down, ground->down) > kMaxTiltDeg || plane.score <= best_score) continue;
+    // A floor below the last ground may be that before an edge, while the bearer crouches.
     const std::optional<double> underfoot = footing.height_m();
-    if (underfoot && std::abs(*underfoot - pose.height_m) > kStep) continue;
+    if (pose.height_m > ground->height_m && underfoot && std::abs(*underfoot - pose.height_m) > kStep) continue;
     Choice choice = judge(finished);
     if (!choice.is_shown) continue;
     best_score = plane.score;

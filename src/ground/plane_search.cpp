@@ -178,6 +178,19 @@ double score_plane(const GroundSamples& samples, const GroundPlane& plane, const
   return score;
 }
 
+double score_near(const GroundSamples& samples, const std::optional<GroundPlane>& plane, const GroundParams& params,
+                  const std::optional<GroundPlane>& among) {
+  double score = 0.0;
+  for (const DisparitySample& s : samples.coarse.samples()) {
+    const double tolerance = ground_tolerance_px(s.d, params);
+    if (among && !(std::abs(s.d - among->disparity(s.u + samples.camera.cx, s.v)) < tolerance)) continue;
+    const double expected = plane ? plane->disparity(s.u + samples.camera.cx, s.v) : s.d;
+    const double off = (s.d - expected) / tolerance;
+    if (expected > 0.0 && std::abs(off) < 1.0) score += s.d * s.d * (1.0 - off * off);
+  }
+  return score;
+}
+
 GroundPlane refine_plane(const std::vector<DisparitySample>& samples, GroundPlane plane, const GroundSamples& frame, int steps,
                          double widen, const GroundParams& params, const std::optional<PlanePrior>& prior) {
   const double cx = frame.camera.cx;

@@ -66,7 +66,12 @@ std::vector<PlaneHypothesis> search_planes(const GroundSamples& samples, const P
 /// The sum of the weights of the coarse samples on a plane, as in PlaneHypothesis.
 double score_plane(const GroundSamples& samples, const GroundPlane& plane, const GroundParams& params);
 
-/// What is known of a plane before this frame is looked at: it weighs as much as `weight` samples on it, spread over `corners`.
+/// How much of what is near the feet lies on a plane: each coarse sample weighs by the square of its disparity. @param plane
+/// empty = all samples.
+double score_near(const GroundSamples& samples, const std::optional<GroundPlane>& plane, const GroundParams& params,
+                  const std::optional<GroundPlane>& among = std::nullopt);
+
+/// What is known of a plane before this frame is looked at: it weighs as much as `weight` samples on it.
 struct PlanePrior {
   GroundPlane plane;
   double weight = 0.0;
