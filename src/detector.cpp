@@ -213,7 +213,7 @@ void Detector::estimate_ego_motion(const Frame& frame, Detection& detection) {
 // frame. Never in place of a measurement that failed.
 void Detector::align_grounds(const Frame& frame, Detection& detection) {
   std::optional<GroundPose> ground;
-  if (detection.ground.plane) ground = detection.ground.pose;
+  if (detection.ground.plane && !detection.ground.is_carried) ground = detection.ground.pose;
   const std::optional<GroundPose> last = std::exchange(last_ground_, ground);
   const bool wanted = detection.ego_motion_state == EgoMotionState::failed && frame.left.empty();
   if (!wanted) return;

@@ -282,7 +282,7 @@ TEST(Detector, GoesOnForAMomentWhereGroundsCannotBeAligned) {
   EXPECT_EQ(after.obstacles[0].track_length, 4);
   EXPECT_FALSE(after.obstacles[0].time_to_edge_s) << "the walk is not known";
   Detector other;
-  const Detection late = look_away(other, 4);
+  const Detection late = look_away(other, 20);  // longer than tracking.max_coast_s
   ASSERT_EQ(late.tracks.size(), 1U);
   EXPECT_EQ(late.tracks[0].track_length, 1);
 }

@@ -275,8 +275,10 @@ std::optional<GroundTracker::State::Choice> GroundTracker::State::find_continuat
     choice.reset();
     free.reset();
   }
+  const bool is_exact = tilt_sd_deg < kUnevenDeg;  // else the last ground is a start for the refinement, no more
   const auto explains = [&](const GroundPlane& plane) {
-    return score_near(samples, plane, params, refined) >= kExplained * score_near(samples, refined, params, refined);
+    return !is_exact ||
+           score_near(samples, plane, params, refined) >= kExplained * score_near(samples, refined, params, refined);
   };
   if (is_refined && (!choice || !choice->is_shown || !explains(choice->plane))) {
     choice = judge(refined);
