@@ -16,7 +16,10 @@ constexpr int kMaxFrames = 8;         // that the mean of a cell runs over
 constexpr double kSameSurface = 0.1;  // m: heights that differ by more are of different surfaces, of which the newer counts
 constexpr std::size_t kEvery = 3;     // of the coarse samples
 
-int cell_index(double metres) { return static_cast<int>(std::floor(metres / kCell)); }
+int cell_index(double metres) {
+  constexpr double kMaxCell = 1e8;  // given poses may be anywhere
+  return static_cast<int>(std::clamp(std::floor(metres / kCell), -kMaxCell, kMaxCell));
+}
 
 }  // namespace
 

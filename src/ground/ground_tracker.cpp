@@ -152,7 +152,10 @@ void GroundTracker::State::predict(const MotionHint& motion) {
     const Eigen::Isometry3d& move = *motion.current_from_previous;
     const Eigen::Vector3d foot = move * Eigen::Vector3d(ground->height_m * ground->down);
     const Eigen::Vector3d down = (move.linear() * ground->down).normalized();
-    if (!(down.dot(foot) > 0.0)) return forget();  // the camera would be under it
+    constexpr double kMaxHeight = 100.0;  // m: given poses may be wrong by any factor
+    if (!(down.dot(foot) > 0.01 && down.dot(foot) < kMaxHeight) || !down.allFinite() || !move.matrix().allFinite()) {
+      return forget();  // the camera would be under it, or out of sight of it
+    }
     ground = make_pose(down, down.dot(foot), samples.camera);
     sd_m = std::hypot(sd_m, kMotionSd);
     tilt_sd_deg = std::hypot(tilt_sd_deg, kMotionTiltDeg);
